@@ -23,7 +23,7 @@ from adr_opt.analysis import Axis, CampaignPrices, design_study
 from adr_opt.common.constants import DAY_S
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.sources import catalogue, worth
-from adr_opt.ui.report.designs import cells, headings
+from adr_opt.ui.report.designs import design_columns
 
 
 def cost(
@@ -154,9 +154,10 @@ def designs(candidates: int = 80, limit: float = 20.0, jobs: int = 2) -> None:
         f"{len(study.points)} designs of {len(instance.chasers)} launches over "
         f"{len(instance.targets)} candidates: {taken_s:.0f} s on {jobs} cores, {broken} violations."
     )
-    head(*headings(study))
-    for at in range(len(study.points)):
-        row(*cells(study, at))
+    columns = design_columns(study)
+    head(*columns)
+    for each in enumerate(study.points):
+        row(*(tell(*each) for tell in columns.values()))
 
 
 if __name__ == "__main__":

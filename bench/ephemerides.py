@@ -27,8 +27,8 @@ from adr_opt.common.constants import DAY_S, OBLATENESS_M2
 from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import RefinedFlight, fly_refined
 from adr_opt.fly.refine.bodies import Gravity, moved
-from adr_opt.fly.refine.holding_estimate import following_m_s
 from adr_opt.fly.refine.one_leg import refine_leg
+from adr_opt.fly.refine.reported import following_m_s
 from adr_opt.kernels.orbits import elements
 from adr_opt.kernels.orbits.ephemeris import secular_rates
 from adr_opt.kernels.orbits.gravity import FIELDS
@@ -38,12 +38,12 @@ from adr_opt.problem.fit import Fit
 from adr_opt.problem.instance import Instance
 from adr_opt.sources import catalogue
 from adr_opt.sources.ephemerides import ephemerides_of
-from adr_opt.sources.ephemerides.by_sgp4 import ByElements
+from adr_opt.sources.ephemerides.ephemeris import TurningAxes
 from adr_opt.sources.ephemerides.fit import FittedOrbit, fitted, sample_times
 from adr_opt.sources.ephemerides.imported import with_ephemerides
 from adr_opt.sources.ephemerides.interpolation import interpolated
 from adr_opt.sources.ephemerides.left_over import left_over
-from adr_opt.sources.ephemerides.turning import TurningAxes
+from adr_opt.sources.ephemerides.of_instance import ByElements
 
 TARGETS = 60
 

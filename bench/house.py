@@ -291,9 +291,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--list", action="store_true", help="name what is counted")
     parser.add_argument("--rooms", action="store_true", help="draw the rooms: modules / code lines")
-    arguments = parser.parse_args()
-    is_listed, trees = arguments.list, modules()
-    if arguments.rooms:
+    wanted = parser.parse_args()
+    is_listed, trees = wanted.list, modules()
+    if wanted.rooms:
         print(*picture(trees), sep="\n")
         return
     edges = imports()

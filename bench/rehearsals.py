@@ -29,7 +29,7 @@ from adr_opt.analysis.rehearse.tries import TryWorths
 from adr_opt.analysis.robust.robust import robust as robust_plan
 from adr_opt.common.clock import count_processor_time
 from adr_opt.common.constants import DAY_S
-from adr_opt.legs.risk_charge import Moments, RiskCharge
+from adr_opt.legs.corrections import Moments, RiskCharge
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import KeepOutZone

@@ -35,10 +35,10 @@ from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.kernels.orbits.encounters import BLUR_M, encounter_rate
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.sources import catalogue, worth
-from adr_opt.sources.generator.cloud import PERCENTILES, TARGETS
-from adr_opt.sources.worth.air import ACTIVITIES, ALTITUDES_KM, DENSITIES_KG_M3
-from adr_opt.sources.worth.lifetimes import YEAR_S, lifetimes
-from adr_opt.sources.worth.speeds import mean_speeds
+from adr_opt.sources.generator.clouds import CLOUD_TARGETS as TARGETS
+from adr_opt.sources.generator.clouds import PERCENTILES
+from adr_opt.sources.worth.air import ACTIVITIES, ALTITUDES_KM, DENSITIES_KG_M3, YEAR_S, lifetimes
+from adr_opt.sources.worth.pairs import mean_speeds
 
 DODGING = ("RELAY*", "HIGH RELAY*")
 """Constellations of the population, whose satellites are taken to dodge."""

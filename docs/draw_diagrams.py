@@ -3,9 +3,8 @@
     python docs/draw_diagrams.py              # into docs/pictures
     python docs/draw_diagrams.py --out DIR
 
-Nothing in them is computed: `choice` is the choice of a planner, `engine` what `auto` does where,
-`chaser` the states of a chaser, `relaxation` how a bound counts time and ΔV. Needs the extra
-``[viz]``.
+Nothing in them is computed: `choice` is the choice of a planner, `chaser` the states of a chaser,
+`relaxation` how a bound counts time and ΔV. Needs the extra ``[viz]``.
 """
 
 from __future__ import annotations
@@ -99,52 +98,6 @@ def choice() -> Any:
         arrow(ax, (1.8, y - high), (1.8, below + next_high), "no", at=(0.2, 0))
         y = below
     box(ax, 1.8, y, "auto", 1.2, WARM)
-    return figure
-
-
-ENGINE = (
-    (
-        "launched missions that\nservice all targets",
-        "tours through time:\nannealed and crossed",
-        "walks over cells of time,\nat prices (exact)",
-    ),
-    (
-        "arrivals that are\nfunctions of time",
-        "beams over sets",
-        "the earliest time of\neach set and place",
-    ),
-    (
-        "all targets early, on\ngiven connections",
-        "strings of targets taken out\nand put back",
-        "all orders, of few targets",
-    ),
-    (
-        "one chaser",
-        "beams, strings taken out\nand put back",
-        "multipliers, then labels\nwhose memory grows",
-    ),
-    (
-        "several chasers",
-        "pools of routes, packed\nand exchanged",
-        "columns, and cuts by\nthree targets",
-    ),
-)
-"""Missions in the order in which `auto` asks for them, with their searches and proofs."""
-
-
-def engine() -> Any:
-    """What `auto` does where: the first kind that a mission belongs to."""
-    step, top = 0.72, 0.72 * len(ENGINE)
-    figure, ax = sheet(7.6, top + 0.5)
-    for x, text in ((1.25, "mission: the first that applies"), (3.85, "search"), (6.35, "proof")):
-        ax.text(x, top + 0.25, text, ha="center", fontsize=10.5, color=SOFT)
-    for row, (mission, search, proof) in enumerate(ENGINE):
-        y = top - (row + 0.5) * step
-        arrow(ax, (2.35, y), (2.7, y))
-        arrow(ax, (5.0, y), (5.2, y))
-        box(ax, 1.25, y, mission, 2.2, WARM)
-        box(ax, 3.85, y, search, 2.3)
-        box(ax, 6.35, y, proof, 2.3)
     return figure
 
 
@@ -262,7 +215,7 @@ def relaxation() -> Any:
     return figure
 
 
-DIAGRAMS = {"choice": choice, "engine": engine, "chaser": chaser, "relaxation": relaxation}
+DIAGRAMS = {"choice": choice, "chaser": chaser, "relaxation": relaxation}
 
 
 def draw(folder: Path) -> list[Path]:

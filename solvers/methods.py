@@ -67,14 +67,6 @@ MCTS = MethodSpec("mcts", "solvers.planners.mcts:mcts", follows=ON_A_TANK)
 
 PPO = MethodSpec("ppo", "solvers.planners.ppo:ppo", follows=PLAYED, uses_cores=True)
 
-CPSAT = MethodSpec(
-    "cpsat",
-    "solvers.planners.cpsat:cpsat",
-    starts=True,
-    uses_cores=True,
-    practice=Practice(rounds=6, options={"evaluations": 4}),
-)
-
 MIP = MethodSpec(
     "mip",
     "solvers.planners.mip:mip",

@@ -80,12 +80,12 @@ GIVE_BACK = pytest.StashKey[Callable[[], None]]()
 
 @pytest.fixture
 def cli(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Cli:
-    """Run the command line in this process, in an empty folder."""
+    """Run the command line in this process, in an empty folder: a line of words, and more words."""
     monkeypatch.chdir(tmp_path)
 
-    def call(*arguments: object) -> Outcome:
+    def call(line: str = "", *more: object) -> Outcome:
         capsys.readouterr()
-        status = main([str(argument) for argument in arguments])
+        status = main([*line.split(), *map(str, more)])
         said = capsys.readouterr()
         return Outcome(status, said.out, said.err)
 
@@ -146,3 +146,18 @@ def load() -> Iterator[Load]:
     sys.path.insert(0, str(BENCH))
     yield importlib.import_module
     sys.path.remove(str(BENCH))
+
+
+@pytest.fixture
+def imported(cli: Cli) -> Cli:
+    """`import` of a catalogue of twelve, with more options."""
+    from catalogue_files import as_csv, field
+
+    Path("a.csv").write_text(as_csv(field(12)), encoding="utf-8")
+    return lambda *more: cli("import a.csv --out out.json", *more)
+
+
+@pytest.fixture
+def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No network of all connections fits into memory."""
+    monkeypatch.setattr("solvers.progress.proof_size.available_bytes", lambda: 0.0)

@@ -14,8 +14,8 @@ from .orders import orders_of, read_orders
 from .priced import PricedOrder, PricedRoute, price
 from .rehearse.rehearsals import Rehearsals
 from .rehearse.sampling import rehearse
-from .replan import replan
-from .replanned import Replanned
+from .replan.replanned import Replanned
+from .replan.replanning import replan
 from .robust.robust import robust
 from .robust.robust_plan import RobustPlan
 from .trade import Axis, Ending, Tradeoff, frontier, parse_axis, tradeoff

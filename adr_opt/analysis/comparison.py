@@ -241,8 +241,8 @@ def _pairs(first: Flown, other: Flown, visited: tuple[list[str], list[str]]) -> 
     def alone(legs: Sequence[tuple[int, Leg]], *, in_first: bool) -> list[LegPair]:
         found = []
         for leg in legs:
-            elsewhere = leg[1].destination in visited[1 if in_first else 0]
-            what: What = "moved" if elsewhere else "only"
+            is_in_both = leg[1].destination in visited[1 if in_first else 0]
+            what: What = "moved" if is_in_both else "only"
             found.append(
                 LegPair(what, chaser, leg if in_first else None, None if in_first else leg)
             )

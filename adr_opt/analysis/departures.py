@@ -286,17 +286,17 @@ LATEST_S = 0.25 * DAY_S
 
 
 def _leaves(
-    mission: Mission, i: int, j: int, found: Connections, asked: npt.NDArray[np.bool_]
+    mission: Mission, i: int, j: int, found: Connections, in_question: npt.NDArray[np.bool_]
 ) -> npt.NDArray[np.float64]:
     """Departures of selected connections as stated in plans [s].
 
     Where nodes drift, events are those of a grid, and the first burn of a short transfer follows.
     """
     leaves = found.departure.copy()
-    if mission.connecting.times is None or not asked.any():
+    if mission.connecting.times is None or not in_question.any():
         return leaves
-    latest = found.departure[asked].max()
-    for row in np.flatnonzero(asked & (found.departure >= latest - LATEST_S)):
+    latest = found.departure[in_question].max()
+    for row in np.flatnonzero(in_question & (found.departure >= latest - LATEST_S)):
         stated = StatedLeg(found.departure[row], found.arrival[row], int(found.revolutions[row]))
         flown = mission.connecting.flown(i, j, int(found.family[row]), stated)
         leaves[row] = flown.departure

@@ -12,9 +12,7 @@ import math
 from functools import partial
 from typing import NamedTuple
 
-from ..kernels.rules.rules import Rules
 from ..legs.connection_finder import ConnectionFinder
-from ..mission.mission import Mission
 from ..mission.problem import Problem
 from ..mission.schedule import Scheduler
 from ..plan.plan import Plan
@@ -66,15 +64,11 @@ def on_grid(problem: Problem, plan: Plan, step_s: float) -> GridTrial:
     for name, order in orders.items():
         mission = missions[name]
         moves = tuple(mission.numbers(order).tolist())
-        rules, price = partial(_rules, mission), instance.time_m_s_per_s
+        rules, price = partial(getattr, mission, "rules"), instance.time_m_s_per_s
         scheduler = Scheduler(other, rules, instance.objective.cost, mission.chaser, price)
         schedule = scheduler.of(moves)
         total += schedule.delta_v if schedule.made == len(moves) else math.inf
     return GridTrial(step_s, total)
-
-
-def _rules(mission: Mission) -> Rules:
-    return mission.rules
 
 
 def grid_advice(problem: Problem, plan: Plan) -> str | None:

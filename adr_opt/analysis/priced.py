@@ -21,7 +21,7 @@ from ..problem.instance import AnyInstance, Instance
 from ..problem.rules import CAMPAIGNS, FIRST, Follower
 from ..problem.support import followed
 from ..run.legal_moves import why_illegal
-from .mending import Mending, Shortfall, mendings, missing
+from .remedies import Remedy, Shortfall, missing, remedies
 
 Route = Iterable[int | str]
 Asked = Plan | Mapping[str, Route] | Iterable[Any]
@@ -48,7 +48,7 @@ class PricedRoute(Shown):
         Why the next leg cannot be flown; empty where all can.
     missing : Shortfall
         With what more it could be flown.
-    mendings : tuple of Mending
+    remedies : tuple of Remedy
         Single changes after which it can be flown, the best first.
     """
 
@@ -57,7 +57,7 @@ class PricedRoute(Shown):
     legs: tuple[Leg, ...]
     reason: str = ""
     missing: Shortfall = NOTHING
-    mendings: tuple[Mending, ...] = ()
+    remedies: tuple[Remedy, ...] = ()
 
     @property
     def holds(self) -> bool:
@@ -73,7 +73,7 @@ class PricedRoute(Shown):
             "breaks_at_leg": None if self.holds else len(self.legs) + 1,
             "reason": self.reason or None,
             "missing": None if self.holds else self.missing.to_dict(),
-            "mendings": [each.to_dict() for each in self.mendings],
+            "mendings": [each.to_dict() for each in self.remedies],
         }
 
 
@@ -238,4 +238,4 @@ def _route(mission: Mission, order: tuple[str, ...], mend: bool) -> PricedRoute:
     if not mend:
         return PricedRoute(name, order, flown, reason)
     lacks = missing(mission, moves, made)
-    return PricedRoute(name, order, flown, reason, lacks, mendings(mission, moves))
+    return PricedRoute(name, order, flown, reason, lacks, remedies(mission, moves))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from html import escape
 from importlib.metadata import entry_points
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .constants import DAY_S
 
@@ -36,6 +36,17 @@ class CardTable(NamedTuple):
     heads: tuple[str, ...]
     rows: Sequence[tuple[str, ...]]
     texts: int = 1
+
+    @classmethod
+    def of(
+        cls,
+        items: Iterable[tuple[Any, ...]],
+        columns: Mapping[str, Callable[..., str]],
+        texts: int = 1,
+    ) -> CardTable:
+        """A table by its columns: what stands under each head, from the arguments of a row."""
+        rows = [tuple(tell(*item) for tell in columns.values()) for item in items]
+        return cls(tuple(columns), rows, texts)
 
     def html(self) -> str:
         """The table as HTML, shortened if it is long."""

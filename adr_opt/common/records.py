@@ -52,6 +52,10 @@ class _Listed(ModelMetaclass):
         return sorted(set(super().__dir__()) - MACHINERY)
 
 
+JSON_SCHEMA = "https://json-schema.org/draft/2020-12/schema"
+"""The dialect of the schemas."""
+
+
 class Record(BaseModel, metaclass=_Listed):
     """Base of all data: frozen, strict about types, no unknown keys, no NaN or infinity."""
 
@@ -70,6 +74,11 @@ class Record(BaseModel, metaclass=_Listed):
             Not JSON, a key stands twice in one object, or it breaks the format.
         """
         return model_of(cls, text)
+
+    @classmethod
+    def json_schema(cls) -> dict[str, Any]:
+        """The JSON Schema of a file that holds such a record."""
+        return {"$schema": JSON_SCHEMA, **cls.model_json_schema()}
 
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.

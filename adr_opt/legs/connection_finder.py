@@ -13,20 +13,19 @@ from ..common.errors import InputError
 from ..common.processors import usable_cores
 from ..kernels.legs import connections as kernels
 from ..kernels.legs.found import GIVEN, ConnectionArrays
-from ..kernels.legs.given_functions import legs_of
+from ..kernels.legs.given import legs_of
 from ..kernels.tables import timetable as tables
 from ..kernels.tables import timetable_making as making
 from ..plan.leg_kinds import leg_kinds
 from ..problem.drives import drive_of
 from ..problem.given_functions import Function
 from ..problem.instance import Instance
-from .connection_cache import ConnectionCache, Pair
-from .connections import Connections
+from .connections import ConnectionCache, Connections, Pair
 from .corrections import NO_CORRECTIONS, Corrections
 from .families import registry
 from .families.ends import AllEnds, is_regular
 from .families.family import FlownLeg, StatedLeg
-from .mass_classes import by_departure, lighter, of_mass
+from .families.low_thrust import by_departure, lighter, of_mass
 from .timetable_size import Size
 
 FloatArray = npt.NDArray[np.float64]
@@ -52,7 +51,7 @@ class ConnectionFinder:
 
     Where events are regular (two-body motion) a pair takes a tenth of a millisecond, and is worked
     out on every call. Where nodes drift it takes half a millisecond to many, and what planning
-    needs is kept, as far as there is room (:mod:`.connection_cache`). So it is where connections
+    needs is kept, as far as there is room (:class:`.ConnectionCache`). So it is where connections
     are given, or of a family that was registered.
 
     Parameters

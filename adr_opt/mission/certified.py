@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 
 from ..common.errors import InputError
@@ -129,10 +130,12 @@ def certify_routes(  # noqa: PLR0913
     if problem.instance.is_approximate:
         said = (*said, APPROXIMATE)
     upper_bound = problem.shown(upper_bound)
-    found = () if routes is None else routes
+    found = Result(
+        method, counters=dict(counters or {}), seed=seed, runtime_s=runtime_s, evidence=evidence
+    )
     flown = [
         (mission, mission.closed(sequence))
-        for mission, sequence in zip(problem.missions, found, strict=routes is not None)
+        for mission, sequence in zip(problem.missions, routes or (), strict=routes is not None)
     ]
     moves = tuple(chain.from_iterable(sequence for _, sequence in flown))
     _refuse_doubles(problem, moves)
@@ -143,26 +146,14 @@ def certify_routes(  # noqa: PLR0913
         status: Status = "infeasible" if upper_bound == -math.inf else "unknown"
         if lacking:
             said = (*said, _lacks(problem, lacking, status))
-        return Result(
-            method,
-            None,
-            None,
-            -math.inf,
-            upper_bound,
-            status,
-            dict(counters or {}),
-            seed,
-            runtime_s,
-            said,
-            evidence=evidence,
-        )
+        return replace(found, upper_bound=upper_bound, status=status, notes=said)
     priced = tuple(
         Route(chaser=mission.chaser.name, legs=legs(mission, sequence, timing))
         for (mission, sequence), timing in zip(flown, schedules or [None] * len(flown), strict=True)
     )
     legs_flown = [leg for route in priced for leg in route.legs]
     objective = problem.prizes(moves, [leg.free_s for leg in legs_flown])
-    status, bound, gap = proven_of(problem, objective, upper_bound)
+    claim = proven_of(problem, objective, upper_bound)
     cost = cost_of_routes(problem.instance, priced)
     if cost_bound is not None:
         cost_bound = min(cost_bound, cost)  # they may differ by rounding
@@ -171,10 +162,8 @@ def certify_routes(  # noqa: PLR0913
         instance=InstanceReference(name=problem.instance.name, sha256=problem.sha256),
         method=method,
         seed=seed,
-        status=status,
+        **claim._asdict(),
         objective=objective,
-        upper_bound=bound,
-        gap=gap,
         cost=cost,
         cost_bound=cost_bound,
         cost_gap=None if cost_bound is None else cost_gap(cost, cost_bound),
@@ -185,18 +174,13 @@ def certify_routes(  # noqa: PLR0913
         routes=priced,
         unvisited=unvisited(flown),
     )
-    upper_bound = math.inf if bound is None else bound
-    return Result(
-        method,
-        moves,
-        plan,
-        objective,
-        upper_bound,
-        status,
-        dict(counters or {}),
-        seed,
-        runtime_s,
-        said,
-        tuple(sequence for _, sequence in flown),
-        evidence=evidence,
+    return replace(
+        found,
+        sequence=moves,
+        plan=plan,
+        objective=objective,
+        upper_bound=claim.bound,
+        status=claim.status,
+        notes=said,
+        routes=tuple(sequence for _, sequence in flown),
     )

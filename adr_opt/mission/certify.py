@@ -43,8 +43,8 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
         Nothing was proven, or the method does not say what its bound rests on.
     """
     prizes, evidence = Prizes(instance), result.evidence
-    # Of as many targets as may be serviced the required ones are worth most. A bound that says no
-    # more than that goes without saying.
+    # Of as many targets as may be serviced the required ones are worth most: a bound that says no
+    # more than that needs no evidence.
     most = prizes.shown(prizes.total_worth)
     bound = prizes.rounded_down(result.upper_bound)
     if result.status == "optimal":

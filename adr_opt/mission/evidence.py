@@ -29,8 +29,8 @@ class Walks:
     most : float
         No walk of one of them collects as much.
     neighbourhoods : (bodies, bodies) bool
-        Whether a walk that comes to a body (row) still remembers another one (column). It remembers
-        where it comes from in any case.
+        Whether a walk that arrives at a body (row) still remembers another one (column). It
+        remembers where it comes from in any case.
     per_m_s : float or None
         What a walk pays for ΔV, in place of keeping to its tanks, and gets for all that is in them
         at the start and after each refuelling [worth per m/s].
@@ -98,8 +98,8 @@ class CostEvidence:
     per_worth : float
         Price of worth [m/s].
     neighbourhoods : (bodies, bodies) bool or None
-        Whether a walk that is worth enough, and comes to a body (row), still remembers another one
-        (column).
+        Whether a walk that is worth enough, and arrives at a body (row), still remembers another
+        one (column).
     walks : tuple of Walks
         Of all chasers, each once [m/s].
     multipliers : (bodies,) float64 or None

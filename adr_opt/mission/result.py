@@ -70,14 +70,14 @@ class Result(Shown):
     """
 
     method: str
-    sequence: tuple[int, ...] | None
-    plan: Plan | None
-    objective: float
-    upper_bound: float
-    status: Status
-    counters: Mapping[str, float]
-    seed: int
-    runtime_s: float
+    sequence: tuple[int, ...] | None = None
+    plan: Plan | None = None
+    objective: float = -math.inf
+    upper_bound: float = math.inf
+    status: Status = "unknown"
+    counters: Mapping[str, float] = field(default_factory=dict)
+    seed: int = 0
+    runtime_s: float = 0.0
     notes: tuple[str, ...] = ()
     routes: tuple[tuple[int, ...], ...] = ()
     versions: Mapping[str, str] = field(default_factory=versions)
@@ -149,6 +149,16 @@ class Claim(NamedTuple):
     status: Status
     upper_bound: float | None
     gap: float | None
+
+    @property
+    def bound(self) -> float:
+        """The upper bound, +inf where nothing is proven."""
+        return math.inf if self.upper_bound is None else self.upper_bound
+
+    def of(self, plan: Plan, **changes: Any) -> Plan:
+        """A plan that claims this, and nothing of its cost."""
+        changes |= {"cost_bound": None, "cost_gap": None, "cost_status": None}
+        return plan.replace(**self._asdict(), **changes)
 
 
 def proven_of(problem: Prizes, objective: float, upper_bound: float = math.inf) -> Claim:

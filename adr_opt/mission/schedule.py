@@ -20,7 +20,7 @@ from ..kernels.rules.rules import Rules
 from ..legs.connection_finder import ConnectionFinder
 from ..legs.connections import Connections
 from ..problem.chasers import Chaser, TankByMass
-from .prize_losses import PrizeLosses
+from .prizes import PrizeLosses
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

@@ -189,9 +189,3 @@ def sha256_of(plan: Plan) -> str:
     """
     planned = plan if plan.flown is None else plan.replace(flown=None)
     return hashlib.sha256(planned.to_json().encode()).hexdigest()
-
-
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the certificate file."""
-    schema = Certificate.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -361,12 +361,6 @@ def without_former_model(content: dict[str, Any]) -> dict[str, Any]:
 load_plan = Plan.load
 
 
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the plan file."""
-    schema = Plan.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
-
-
 def cost_of(objective: Objective, legs: Iterable[Leg]) -> float:
     """Cost of legs as an instance counts it: total ΔV [m/s], or the end of the last one [s].
 

@@ -436,9 +436,3 @@ def reference(plan: Plan) -> PlanReference:
     """Reference to a plan."""
     digest = hashlib.sha256(plan.to_json().encode()).hexdigest()
     return PlanReference(method=plan.method, seed=plan.seed, sha256=digest)
-
-
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the refined plan file."""
-    schema = RefinedPlan.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

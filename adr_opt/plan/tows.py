@@ -36,8 +36,8 @@ from ..common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ..kernels.legs.burns import half_ellipse_speeds
 from ..kernels.orbits import ephemeris
 from ..kernels.orbits.body_rows import as_left, with_orbit
+from ..kernels.orbits.eccentricity import matchings
 from ..kernels.orbits.ephemeris import EPOCH_S
-from ..kernels.orbits.matchings import matchings
 from ..problem.drives import Drive
 from ..problem.instance import Instance
 from ..problem.orbit import Orbit

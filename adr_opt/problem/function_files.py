@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -95,9 +95,3 @@ def write_functions(path: str | os.PathLike[str], functions: Functions) -> None:
     body = ",\n".join(lines)
     text = f'{{\n "format": {json.dumps(FORMAT)},\n "functions": [\n{body}\n ]\n}}\n'
     write_text(path, text)
-
-
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the file of given functions."""
-    schema = FunctionsFile.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

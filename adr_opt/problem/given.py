@@ -22,7 +22,7 @@ import numpy.typing as npt
 from ..common.card import Shown
 from ..common.errors import InputError
 from ..common.records import LARGEST_DELTA_V_M_S, LARGEST_TIME_S
-from ..kernels.legs.given_connections import sifted
+from ..kernels.legs.given import sifted
 from .given_functions import LEAST_S, Functions
 
 FloatArray = npt.NDArray[np.float64]

@@ -1,7 +1,7 @@
 """The instance: a mission over a field of debris objects, as data and as a file.
 
 What the file says stands in :mod:`.instance_file`, of which the published JSON Schema is made
-(:func:`json_schema`). All is frozen; :meth:`Record.replace` makes variants.
+(:meth:`Record.json_schema`). All is frozen; :meth:`Record.replace` makes variants.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from ..common.files import check_writable, parse_content, read_model, write_text
 from ..common.records import Window
 from ..common.sentences import sentence
 from ..kernels.legs.co_elliptic import TransferRule
+from ..kernels.orbits.eccentricity import matchings
 from ..kernels.orbits.ephemeris import EPOCH_S
-from ..kernels.orbits.matchings import matchings
 from .chasers import availability
 from .function_files import read_functions, write_functions
 from .given import Given, only
@@ -463,9 +463,3 @@ def instance_of(given: AnyInstance) -> Instance:
 
 
 load = instance_of
-
-
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the instance file."""
-    schema = Instance.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

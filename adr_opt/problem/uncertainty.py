@@ -304,9 +304,3 @@ class Uncertainty(Record):
     def slip_of(self, chaser: str) -> Delay | None:
         """Distribution of the slip of a chaser's launch; None where there is none."""
         return self.launches.chasers.get(chaser, self.launches.slip_s)
-
-
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the uncertainty file."""
-    schema = Uncertainty.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -73,8 +73,7 @@ def unproven(problem: Problem, found: Result) -> Result:
     if found.plan is None:
         return replace(found, status="unknown", upper_bound=math.inf, evidence=None)
     claim = proven_of(problem, found.plan.objective)
-    plan = found.plan.replace(**claim._asdict(), cost_bound=None, cost_gap=None, cost_status=None)
-    stated = math.inf if claim.upper_bound is None else claim.upper_bound
+    plan, stated = claim.of(found.plan), claim.bound
     return replace(found, plan=plan, status=claim.status, upper_bound=stated, evidence=None)
 
 
@@ -92,5 +91,4 @@ def _joined(problem: Problem, found: Result, proven: Result, runtime_s: float) -
     plan = plan.replace(notes=notes, runtime_s=runtime_s)
     if not (problem.margin or problem.connecting.corrections):  # else it is not of all plans
         plan = plan.replace(**claim._asdict())
-    stated = math.inf if claim.upper_bound is None else claim.upper_bound
-    return replace(found, plan=plan, status=claim.status, upper_bound=stated)
+    return replace(found, plan=plan, status=claim.status, upper_bound=claim.bound)

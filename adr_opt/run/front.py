@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 from typing import Any
 
@@ -12,8 +13,8 @@ from ..common.errors import InputError
 from ..common.progress import Progress, Relayed, silent
 from ..common.stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from ..legs.connection_finder import estimate
+from ..legs.families.low_thrust import too_weak
 from ..legs.families.registry import registered_of
-from ..legs.least_thrust import too_weak
 from ..legs.timetable_size import TABLE_BYTES, Size, too_large
 from ..mission.problem import AnyProblem, Problem, Routes, problem_of
 from ..mission.result import Result, noted, proven_of
@@ -29,10 +30,10 @@ from .run_options import (
     DEFAULT_METHOD,
     DEFAULT_TIME_LIMIT_S,
     RunOptions,
+    Start,
 )
 from .side_by_side import together
 from .start_plan import start_destinations
-from .starts import Start
 from .table_budget import candidates, may_go_without, no_table
 
 __all__ = [
@@ -216,39 +217,26 @@ def run(
     """
     whole = problem_of(instance)
 
-    def once(
-        group: str, problem: Problem, method: str, wanted: RunOptions, heard: Progress
-    ) -> Result:
-        return _run(
-            group,
-            problem,
-            method,
-            wanted,
-            stop=stop,
-            progress=heard,
-            building=building,
-            sizing=sizing,
-        )
-
+    once = partial(_run, stop=stop, building=building, sizing=sizing)
     if not whole.depends_on_mass:
-        return once(group, whole, method, wanted, progress)
+        return once(group, whole, method, wanted, progress=progress)
     if group == BOUNDS:
-        found = once(group, whole.relaxed, method, wanted, by_masses.bounds_only(progress))
-        return by_masses.bounded(found)
+        heard = by_masses.bounds_only(progress)
+        return by_masses.bounded(once(group, whole.relaxed, method, wanted, progress=heard))
     prover = wanted.bound or (DEFAULT_BOUND if spec_of(method, group).shows_evidence else None)
 
     def plan(limit_s: float) -> Result:
-        asked = replace(wanted, time_limit=limit_s, bound=None)
+        limited = replace(wanted, time_limit=limit_s, bound=None)
         heard = Relayed(lambda known, _: progress(known, math.inf), progress)
-        return once(group, whole, method, asked, heard)
+        return once(group, whole, method, limited, progress=heard)
 
     def prove(limit_s: float, objective: float, routes: Routes) -> Result:
         start: Any = routes[0] if len(routes) == 1 else routes
-        asked = replace(
+        limited = replace(
             wanted, time_limit=limit_s, bound=None, repair=False, options={}, start=start or None
         )
         heard = by_masses.bounds_only(progress, objective)
-        return once(BOUNDS, whole.relaxed, str(prover), asked, heard)
+        return once(BOUNDS, whole.relaxed, str(prover), limited, progress=heard)
 
     kept = whole.with_margin(wanted.margin) if wanted.margin else whole
     return by_masses.planned(kept, wanted.time_limit, plan, prove if prover else None)
@@ -357,12 +345,7 @@ def _beyond_the_model(problem: Problem, result: Result) -> Result:
     if plan is not None and (problem.margin or problem.connecting.corrections):
         # A plan file is read together with its instance, whose tanks may be used to the end, and
         # whose connections cost what the model says.
-        plan = plan.replace(
-            **proven_of(problem, plan.objective)._asdict(),
-            cost_bound=None,
-            cost_gap=None,
-            cost_status=None,
-        )
+        plan = proven_of(problem, plan.objective).of(plan)
     drift = None if plan is None else drift_warning(problem.instance, plan)
     quickest = None if registered_of(problem.instance) else too_short(problem.instance)
     idle = plan is not None and not plan.legs

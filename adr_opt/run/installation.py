@@ -13,9 +13,8 @@ from pathlib import Path
 
 from ..common.errors import InputError
 from ..common.memory import available_bytes
-from ..common.packages import INSTALLED, foreign_package
+from ..common.packages import INSTALLED, OURS, Requirement, foreign_package, installed, requirements
 from ..common.processors import usable_cores
-from ..common.requirements import OURS, Requirement, installed, requirements
 from ..common.version import __version__
 from .methods import BOUNDS, PLANNERS, names
 

@@ -26,6 +26,9 @@ PLANNERS = "adr_opt.planners"
 BOUNDS = "adr_opt.bounds"
 """Entry-point groups; a package that declares one of them is found once installed."""
 
+REMOVED = {"cpsat": "was removed in 2.0; use 'exact', or 'mip' for a model to read"}
+"""What to say of methods that are no more."""
+
 FIXED = frozenset({"seed", "stop", "progress", "start"})
 """Parameters of methods that are not options."""
 
@@ -77,11 +80,13 @@ def spec(name: str, group: str = PLANNERS) -> MethodSpec:
     Raises
     ------
     InputError
-        There is none of that name; the sentence lists those there are. Or what is installed under
-        it cannot be called as planners are.
+        There is none of that name; the sentence lists those there are, or says that it went. Or
+        what is installed under it cannot be called as planners are.
     """
     found = _found(group)
     if name not in found:
+        if name in REMOVED:
+            raise InputError(f"method {name!r} {REMOVED[name]}")
         known = ", ".join(found) or "none is installed"
         raise InputError(f"method {name!r} is unknown; use one of: {known}")
     loaded = load(found[name])

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from .starts import Start
+from ..plan.plan import Plan
+
+Start = Plan | Iterable[int | str] | Iterable[Iterable[int | str]]
+"""A plan, or its bodies in order; for several chasers, one sequence each."""
+
 
 DEFAULT_METHOD = "auto"
 DEFAULT_BOUND = "exact"

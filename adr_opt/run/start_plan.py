@@ -10,7 +10,7 @@ from ..common.errors import InputError
 from ..judge.admit import admit
 from ..mission.problem import Problem
 from ..plan.plan import Plan
-from .starts import Start
+from .run_options import Start
 
 
 def start_destinations(

@@ -98,18 +98,8 @@ class TableBudget:
     def nothing(self, method: str, seed: int) -> Result:
         """The result where time ran out before anything was available."""
         note = f"there was no time to begin: {self._cost}"
-        return Result(
-            method,
-            None,
-            None,
-            -math.inf,
-            self.mission.total_prize,
-            "unknown",
-            {},
-            seed,
-            self.spent_s,
-            (note,),
-        )
+        bound = self.mission.total_prize
+        return Result(method, upper_bound=bound, seed=seed, runtime_s=self.spent_s, notes=(note,))
 
     def of_the_whole(self, result: Result, *, of_all: bool = False) -> Result:
         """A result restated for the whole mission: a bound over some pairs does not bound all.
@@ -130,19 +120,10 @@ class TableBudget:
                 return result  # nothing was planned, on whatever timetable
             return replace(result, upper_bound=bound, evidence=None, status="unknown", notes=notes)
         proven = proven_of(self.mission, result.objective, bound)
-        plan = result.plan.replace(
-            **proven._asdict(),
-            cost_bound=None,
-            cost_gap=None,
-            cost_status=None,
-            notes=(*result.plan.notes, note),
-        )
-        if proven.upper_bound is not None:
-            bound = proven.upper_bound
         return replace(
             result,
-            plan=plan,
-            upper_bound=bound,
+            plan=proven.of(result.plan, notes=(*result.plan.notes, note)),
+            upper_bound=bound if proven.upper_bound is None else proven.upper_bound,
             status=proven.status,
             notes=notes,
             evidence=result.evidence if of_all else None,
@@ -207,7 +188,7 @@ def candidates(
         The time limit of everything [s].
     first : sequence of str or None
         Bodies that are wanted before all others, which come in order of their distance. None for
-        those to whom some of the pairs are of no use: they may spend the whole limit.
+        those that do not need some of the pairs: they may spend the whole limit.
     interrupted : callable
         Whether the user has interrupted.
     building : callable

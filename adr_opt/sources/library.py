@@ -8,7 +8,7 @@ files.
 from __future__ import annotations
 
 import os
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -97,9 +97,3 @@ def load_library(path: str | os.PathLike[str]) -> Library:
         No such file, not JSON, or not a valid library.
     """
     return read_model(path, Library)
-
-
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the library file."""
-    schema = Library.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -11,7 +11,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from ..common.errors import InputError, MissingExtra
 from .study import Place
-from .workers import Made, Row, WorkerDied, made_of, sendable
+from .workers import Answer, Row, WorkerDied, made_of, sendable
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -144,7 +144,7 @@ class Elsewhere:
 
         self._dumps = dumps
         self._row, self._token = dumps(row), secrets.token_hex(8)
-        self._out: dict[Future[list[Made]], tuple[Any, ...]] = {}
+        self._out: dict[Future[list[Answer]], tuple[Any, ...]] = {}
 
     @property
     def count(self) -> int:
@@ -162,16 +162,16 @@ class Elsewhere:
             keys
         )
 
-    def wait(self, longest_s: float) -> list[tuple[Any, Made]]:
+    def wait(self, longest_s: float) -> list[tuple[Any, Answer]]:
         """What has come of keys since the last call, after a wait for the first of them."""
-        found: list[tuple[Any, Made]] = []
+        found: list[tuple[Any, Answer]] = []
         for each in wait(self._out, longest_s, FIRST_COMPLETED).done:
             keys = self._out.pop(each)
             try:
                 found.extend(zip(keys, each.result(), strict=True))
             except WorkerDied as error:
                 if len(keys) == 1:
-                    found.append((keys[0], Made(None, error, 0.0)))
+                    found.append((keys[0], Answer(None, error, 0.0)))
                 else:  # one of them is at fault
                     for key in keys:
                         self.submit((key,))
@@ -186,7 +186,7 @@ _mine: tuple[str, Row] | None = None
 """The latest row that this worker made, with its token."""
 
 
-def _made_there(token: str, row: bytes, keys: bytes) -> list[Made]:
+def _made_there(token: str, row: bytes, keys: bytes) -> list[Answer]:
     global _mine
     if _mine is None or _mine[0] != token:
         _mine = token, pickle.loads(row)

@@ -80,6 +80,7 @@ class StudyFile:
             self._file: FileIO = self._held.enter_context(self._path.open("ab+", buffering=0))
         except OSError as error:
             raise self._unwritable(error) from None
+        self._held.callback(os.fsync, self._file.fileno())
         try:
             self._held.enter_context(
                 locked(self._path, "another call is writing to it; wait for it, or end that one")

@@ -19,7 +19,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from .study import Place
-from .workers import Made, Row, WorkerDied, made_of, sendable
+from .workers import Answer, Row, WorkerDied, made_of, sendable
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """Each process has one core; without these, libraries would start a thread for each core."""
@@ -69,9 +69,9 @@ class Processes:
         with suppress(OSError):  # it has died since; wait() finds that out
             worker.line.send(keys)
 
-    def wait(self, longest_s: float) -> list[tuple[Any, Made]]:
+    def wait(self, longest_s: float) -> list[tuple[Any, Answer]]:
         """What has come of keys since the last call, after a wait for the first of them."""
-        found: list[tuple[Any, Made]] = []
+        found: list[tuple[Any, Answer]] = []
         lines = {worker.line: worker for worker in self._busy}
         for line in wait(list(lines), longest_s):
             worker = lines[line]  # type: ignore[index]
@@ -87,7 +87,7 @@ class Processes:
                 self._idle.append(worker)
         return found
 
-    def _after_death(self, worker: _Worker) -> list[tuple[Any, Made]]:
+    def _after_death(self, worker: _Worker) -> list[tuple[Any, Answer]]:
         """Go on with the keys of a process that died; what is given up of them."""
         self._busy.remove(worker)
         worker.line.close()
@@ -99,7 +99,7 @@ class Processes:
         if others:
             self.submit(tuple(others))
         error = WorkerDied(f"its process died, twice (exit code {worker.process.exitcode})")
-        return [(first, Made(None, error, 0.0))]
+        return [(first, Answer(None, error, 0.0))]
 
     def close(self) -> None:
         """End the processes, whatever they do."""

@@ -12,7 +12,7 @@ from ..common.processors import usable_cores
 from ..common.stop import Stop
 from .file import Stored, StudyFile
 from .study import K, Place, Study, V
-from .workers import Here, Made, Workers
+from .workers import Answer, Here, Workers
 
 POLL_S = 0.1
 """Longest time after which a stop is noticed [s]."""
@@ -145,11 +145,11 @@ class Run(Generic[K, V]):
     def _is_free(self) -> bool:
         return self._workers is None or self._workers.busy < self._workers.count
 
-    def _wait(self) -> list[tuple[Any, Made]]:
+    def _wait(self) -> list[tuple[Any, Answer]]:
         assert self._workers is not None
         return self._workers.wait(POLL_S)
 
-    def _row(self, key: K, made: Made) -> V:
+    def _row(self, key: K, made: Answer) -> V:
         if made.error is None:
             value: V = made.value
             return value

@@ -18,7 +18,7 @@ class WorkerDied(BrokenExecutor):
     """The process that made a row ended, twice."""
 
 
-class Made(NamedTuple):
+class Answer(NamedTuple):
     """What came of a key.
 
     Attributes
@@ -51,7 +51,7 @@ class Workers(Protocol):
         """Have the rows of a group made, one after the other in one process."""
         ...
 
-    def wait(self, longest_s: float) -> list[tuple[Any, Made]]:
+    def wait(self, longest_s: float) -> list[tuple[Any, Answer]]:
         """What has come of keys since the last call, after a wait for the first of them."""
         ...
 
@@ -84,7 +84,7 @@ class Here:
         """Take the keys of a group."""
         self._waiting.extend(keys)
 
-    def wait(self, longest_s: float) -> list[tuple[Any, Made]]:
+    def wait(self, longest_s: float) -> list[tuple[Any, Answer]]:
         """Make the next row; nothing if that was cut short."""
         key = self._waiting.popleft()
         made = made_of(self._row, key, self._place)
@@ -95,21 +95,21 @@ class Here:
         self._waiting.clear()
 
 
-def made_of(row: Row, key: Any, place: Place) -> Made:
+def made_of(row: Row, key: Any, place: Place) -> Answer:
     """The row of a key, or the error that it raised."""
     began = time.perf_counter()
     try:
         value, error = row(key, place), None
     except Exception as raised:
         value, error = None, raised
-    return Made(value, error, time.perf_counter() - began)
+    return Answer(value, error, time.perf_counter() - began)
 
 
-def sendable(made: Made) -> Made:
+def sendable(made: Answer) -> Answer:
     """The same as another process can read it; an error that cannot be sent is told in words."""
     try:
         pickle.loads(pickle.dumps(made))
     except Exception as raised:
         said = made.error if made.error is not None else raised
-        return Made(None, RuntimeError(f"{type(said).__name__}: {said}"), made.seconds)
+        return Answer(None, RuntimeError(f"{type(said).__name__}: {said}"), made.seconds)
     return made

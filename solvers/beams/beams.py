@@ -36,7 +36,6 @@ from ..walks.latest_times import Latest
 from . import levels
 from .exchange_rates import worth_of
 from .levels import BeamContext, LevelScratch, Weights
-from .time_value import TIME_VALUE_M_S_PER_H
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -261,3 +260,8 @@ def _ways_to_fly(
         np.concatenate([cost for _, cost in paid]),
         np.concatenate([lost for lost, _ in paid]),
     )
+
+
+TIME_VALUE_M_S_PER_H = 110.0
+"""Value of an hour where beams and windows choose one connection per move; less where planes drift,
+as time is cheaper there."""

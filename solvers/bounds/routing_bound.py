@@ -14,6 +14,7 @@ from adr_opt.common.constants import TURN_RAD
 from adr_opt.common.options import Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
+from adr_opt.common.tolerance import MOST_STEPS, are_multiples
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.windows import service_end, service_ends
 from adr_opt.kernels.legs import co_elliptic
@@ -22,15 +23,16 @@ from adr_opt.kernels.rules.rules import Rules
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
-from ..models.answer import Hear
-from ..models.cp_sat_run import run
-from ..models.steps import in_steps
+from ..models.cp_sat import run
 from ..progress.gap import GapTracker
 from ..progress.proof_size import bound_notes
 
 STEPS_PER_M_S = 1e3
 STEPS_PER_S = 1e1
 """Integer units per second, and per m/s; those of a leg are rounded down, limits up."""
+
+PARTS = 2**40
+"""Approximate sum of all prizes in steps, if they are not multiples of the unit."""
 
 
 class Costs(NamedTuple):
@@ -103,6 +105,28 @@ def _steps(values: np.ndarray, per_unit: float) -> np.ndarray:
     known = np.isfinite(values)
     steps = np.floor(np.where(known, values, 0.0) * per_unit)
     return np.where(known, np.maximum(steps, 0.0), -1.0).astype(np.int64)
+
+
+def in_steps(prize: np.ndarray, unit: float) -> tuple[np.ndarray, float]:
+    """Prizes in whole steps, rounded up.
+
+    Parameters
+    ----------
+    prize : (bodies,) float64
+    unit : float
+        The steps, if all prizes are multiples of it and there are not too many.
+
+    Returns
+    -------
+    steps : (bodies,) int64
+        Prizes in steps, rounded up.
+    step : float
+    """
+    if are_multiples(prize.tolist(), unit) and prize.sum() / unit <= MOST_STEPS:
+        return np.rint(prize / unit).astype(np.int64), unit
+    step = float(prize.sum()) / PARTS
+    # A quotient may be rounded down across an integer; one step more covers that.
+    return np.where(prize > 0.0, np.floor(prize / step) + 1.0, 0.0).astype(np.int64), step
 
 
 Way = TypeVar("Way", bound=Hashable)
@@ -288,7 +312,12 @@ def routing_bound(
             return certificate.proven or stop.remaining_s() <= 0.0
 
         solver, _, bound = run(
-            model.block, unit, seed=seed, hear=Hear(hear, stop.remaining_s), effort=options.effort
+            model.block,
+            unit,
+            seed=seed,
+            hear=hear,
+            remaining_s=stop.remaining_s,
+            effort=options.effort,
         )
         certificate.lower(bound)
         counters["branches"] = int(solver.num_branches)

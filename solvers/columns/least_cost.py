@@ -10,7 +10,7 @@ The master mixes known routes at least cost; its duals are λ and π. Labels tha
 expense (:mod:`solvers.walks.tariffs`), find routes that it lacks, or prove how good any could
 be. Cuts that the mixture violates (:mod:`.subset_rows`) join both sides, as for prizes. What is
 left between the bound and the best plan is closed as there, too: all sets of targets that a cheaper
-plan could be made of are listed, and set packing decides (:mod:`.cost_finish`).
+plan could be made of are listed, and set packing decides (:mod:`.cheapest_sets`).
 Limits of stations are not looked at: bounds are of campaigns whose stations never run empty.
 """
 
@@ -31,7 +31,7 @@ from adr_opt.mission.problem import Problem
 
 from ..labels.label_search import LabelSearch as Search
 from ..networks.evidence import evidence_of
-from ..progress.cost_rounds import CostRounds, asked, is_least, settled
+from ..progress.cost_rounds import CostRounds, is_least, least_worth_of, settled
 from ..progress.gap import GapTracker
 from ..proof.cost import COARSER, STATED_LESS, PricedBound
 from ..proof.proof import FIRST_LABELS, GROWTH, ProofOptions
@@ -39,7 +39,7 @@ from ..routes.route_pool import RoutePool, dealt
 from ..routes.set_packing import cheapest_of, packing
 from ..walks.tariffs import Tariff, most_expense, tariffs_of
 from .bound import CampaignBound
-from .cost_finish import CostFinish
+from .cheapest_sets import CheapestSets
 from .master import Duals, Master
 from .pricing import LabelPricing
 from .route_enumeration import MOST_ROUTES
@@ -153,7 +153,7 @@ class ColumnCost(CostRounds):
         self._worths = np.array(problem.planning_prizes)
         self._stations = frozenset(range(problem.instance.first_target))
         self._over = lambda: stop.remaining_s() <= 0.0
-        self._asked = asked(problem, certificate.incumbent)
+        self._least_worth = least_worth_of(problem, certificate.incumbent)
         self._bounds = CampaignBound(
             problem,
             COARSER * options.delta_v_slot_m_s,
@@ -163,7 +163,7 @@ class ColumnCost(CostRounds):
         )
         self._places = tuple(self._all_places())
         self._counts = np.array([len(kind.chasers) for kind in problem.kinds])
-        self._master = Master(problem, self._asked)
+        self._master = Master(problem, self._least_worth)
         self._cuts = SubsetRows()
         self._mixed: dict[tuple[int, frozenset[int]], float] = {}
         self._labels = min(FIRST_LABELS, options.most_labels)
@@ -240,7 +240,7 @@ class ColumnCost(CostRounds):
             new, finished = new or bool(routes), finished and answered
             most[place.kind] = max(most[place.kind], place.pricing.most_worth)
         if finished:
-            bound = prices.worth * self._asked
+            bound = prices.worth * self._least_worth
             bound -= math.fsum([*prices.targets, *prices.cuts, *(self._counts * most)])
             if self._proven is None or bound > self._proven.bound:
                 remembered = {place.kind: place.pricing.remembered for place in self._places}
@@ -352,7 +352,7 @@ class ColumnCost(CostRounds):
             return
         costs = np.array([column.cost for column in columns])
         worths = np.array([column.worth for column in columns])
-        scale = 1.0 / max(self._asked, 1e-300)
+        scale = 1.0 / max(self._least_worth, 1e-300)
         found = cheapest_of(
             costs,
             [
@@ -361,7 +361,7 @@ class ColumnCost(CostRounds):
                     [(column.kind, column.targets) for column in columns],
                     [column.use for column in columns],
                 ),
-                LinearConstraint(scale * worths[None, :], scale * self._asked, np.inf),
+                LinearConstraint(scale * worths[None, :], scale * self._least_worth, np.inf),
             ],
             self._stop.remaining_s(),
             gap=1e-9,
@@ -378,7 +378,9 @@ class ColumnCost(CostRounds):
         if self.proven or self._proven is None:
             return
         prices, most, _, bound = self._proven
-        finish = CostFinish(self._problem, self._certificate, self._pool, self._asked, self._stop)
+        finish = CheapestSets(
+            self._problem, self._certificate, self._pool, self._least_worth, self._stop
+        )
         gap = self._certificate.cost - bound
         cuts = np.zeros(len(self._cuts.rows))
         cuts[: prices.cuts.size] = prices.cuts

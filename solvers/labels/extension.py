@@ -100,7 +100,7 @@ class LabelQuery(NamedTuple):
         services [fine units].
     since : float
         When that time begins [s].
-    asked : int
+    goal : int
         Value, after that, of walks that are asked for [fine units].
     worths : (bodies,) float64
         What targets are worth, where it is; one each where labels of different targets are to be
@@ -132,7 +132,7 @@ class LabelQuery(NamedTuple):
     pays: bool
     time_price: float
     since: float
-    asked: int
+    goal: int
     worths: np.ndarray
     least_worth: float
     reach: CompletionValues
@@ -304,7 +304,9 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
     remembered = np.empty(words, dtype=np.int64)
     target_effort = cursor[2] + effort
     kept = np.empty(waiting.label.shape[1], np.bool_)
-    # Closing rows come last, and nothing leaves there.
+    # Whatever arrives in time for a row was made by a row that departs earlier: when its turn
+    # comes, all labels that could take its legs have been sent to it or to an earlier row of its
+    # body, and none comes later. Closing rows come last, and nothing leaves there.
     while cursor[0] < order.size and network.departure[order[cursor[0]]] < np.inf:
         row = order[cursor[0]]
         i = body[row]
@@ -319,6 +321,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
         behind = -1 if network.is_station[i] else i
         for k in range(waiting.size[i] - 1, -1, -1):
             here = waiting.label[i, k]
+            # Who was there by an earlier row could take a leg that is no worse than each of these.
             if here < 0 or labels.row[here] <= network.fresh[row]:
                 continue
             if not to_station and labels.memory[here, j // WORD] >> (j % WORD) & 1:
@@ -331,6 +334,9 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
             begin, end = _useful(network, search, row, value, has, collected, behind)
             if begin >= end:
                 continue
+            # What the new label remembers does not depend on the leg. Forgetting only adds walks,
+            # so a search that finds none proves that there is none; who has just left is remembered
+            # on top.
             for w in range(words):
                 remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
             count_row(cuts, remembered, j)
@@ -361,7 +367,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                     timed
                     and network.may_end[j]
                     and collected >= search.least_worth
-                    and most - _time_paid(search, network.end[leg]) >= search.asked
+                    and most - _time_paid(search, network.end[leg]) >= search.goal
                 ):
                     continue
                 count = cursor[1]

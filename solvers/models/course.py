@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -25,9 +25,8 @@ from ..progress.gap import GapTracker
 from ..progress.proof_size import bound_notes, set_up_s
 from ..walks.multipliers import Descent
 from ..walks.walks import WalkBound
-from .answer import Hear, SolverAnswer
-from .network import SolverNetwork, bodies_along, keep, of_rows, path_of
 from .reduction import best_through, can_reach, finest_slot
+from .solver_network import SolverNetwork, bodies_along, keep, of_rows, path_of
 
 WHOLE_LEGS = 1_000
 """Maximum number of legs up to which the whole network is solved, by the solver's bound alone."""
@@ -45,6 +44,39 @@ SLOT_M_S = 20.0
 
 FINER = 0.8
 """Reduced costs are recomputed if slots can be finer by this factor."""
+
+
+class SolverAnswer(NamedTuple):
+    """Answer of a solver for a network.
+
+    Attributes
+    ----------
+    legs : tuple of int or None
+        Of the best path it knows, in any order.
+    upper_bound : float
+        Proven: no path of the network is worth more. +inf if nothing was proven.
+    nodes : int
+        Nodes or branches of its search.
+    """
+
+    legs: tuple[int, ...] | None
+    upper_bound: float
+    nodes: int
+
+
+class Hear(NamedTuple):
+    """Callback for a solver's progress.
+
+    Attributes
+    ----------
+    bound : callable
+        Told a bound on the paths of the network; says whether to stop.
+    remaining_s : callable
+        Seconds that may still be used.
+    """
+
+    bound: Callable[[float], bool]
+    remaining_s: Callable[[], float]
 
 
 class SolverModel(Protocol):

@@ -26,7 +26,7 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.rules.rules import Rules
 
 from ..networks.layers import SLACK
-from .network import SolverNetwork
+from .solver_network import SolverNetwork
 
 MOST_STATES = 10_000_000
 """Maximum number of states in a sweep; slots of ΔV are widened to keep to it."""

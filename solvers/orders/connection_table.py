@@ -18,7 +18,7 @@ from adr_opt.kernels.core.windows import service_ends
 from adr_opt.kernels.tables import timetable_making as making
 from adr_opt.mission.mission import Mission
 
-from ..beams.time_value import TIME_VALUE_M_S_PER_H
+from ..beams.beams import TIME_VALUE_M_S_PER_H
 
 SHARES = (0.0, 0.1, 0.35, 1.0, 3.0, 10.0, 30.0)
 """Values of time whose choices are included, as multiples of the beams' value of an hour."""

@@ -26,8 +26,8 @@ from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed, write
 from adr_opt.mission.mission import Mission
 
+from ..beams.beams import TIME_VALUE_M_S_PER_H
 from ..beams.exchange_rates import worth_of
-from ..beams.time_value import TIME_VALUE_M_S_PER_H
 from ..progress.halting import halted_by
 from . import bit_orders, fronts
 from .connection_table import is_varied, table_of

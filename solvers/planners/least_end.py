@@ -25,6 +25,7 @@ from ..orders.earliest_search import Cooling, search
 from ..orders.quickest_legs import quickest_legs_of, shortest
 from ..progress.gap import GapTracker
 from ..progress.halting import halted_by
+from ..proof.proof import ProofOptions
 
 CHAINS = 2
 """Orders that are annealed beside each other: the best one, and one from nothing."""
@@ -114,8 +115,8 @@ def plan(
     seed: int,
     stop: Stop,
     progress: Progress,
-    start: Iterable[int] | None = None,
-    cores: int = 1,
+    start: Iterable[Iterable[int]] | None,
+    options: ProofOptions,
 ) -> Result:
     """The order of all targets that ends earliest.
 
@@ -125,14 +126,12 @@ def plan(
         What the result is said to be of.
     problem : Problem
         One that :attr:`~.Problem.asks_for_least_end`.
-    seed, stop, progress, start
+    seed, stop, progress, start, options
         As planners take them.
-    cores : int
-        The result does not depend on it.
     """
     certificate = GapTracker(problem, progress)
     if start is not None:
-        certificate.offer(start)
+        certificate.offer(*start)
     mission = problem.missions[0]
     rules, legs = mission.rules, quickest_legs_of(mission)
     targets = rules.service.size - rules.first_target
@@ -159,7 +158,7 @@ def plan(
     def is_over() -> bool:
         return stop.remaining_s() <= 0.0 or stop(certificate.incumbent, certificate.bound)
 
-    with ThreadPoolExecutor(max(min(cores, CHAINS), 1)) as threads:
+    with ThreadPoolExecutor(min(options.cores, CHAINS)) as threads:
         while not is_over():
             fresh = _Chain(problem, legs, near, int(rng.integers(2**31)))
             fresh.about, best.hot = best.end, HEATS[int(counters["rounds"]) % len(HEATS)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,6 +27,7 @@ from ..routes.route_pool import RoutePool
 from ..routes.route_search import RouteSearch
 from ..routes.target_exchange import Exchanges
 from ..walks.floors import floor_bound
+from .options import AutoOptions, ExactOptions, Goals
 from .rounds import Task, run
 
 FIRST_MOVES, MOST_MOVES = 20, 160
@@ -51,29 +51,6 @@ LAST_FOR_COST = 0.1
 EXCHANGES = 30
 """Exchanges per serviced target that reduce the plan's cost; also in each round where planes drift,
 so that routes are more than a way through a cloud."""
-
-
-@dataclass(frozen=True)
-class Goals:
-    """Goals of planning by rounds.
-
-    Attributes
-    ----------
-    proves : bool
-        Whether to work on the bound.
-    until_done : bool
-        End when the proof can do no more.
-    cost : bool
-        Go on to the least cost of plans that collect as much, once the prizes are proven, with the
-        plan made cheaper first.
-    prizes_alone : bool
-        The plan need not be cheap: no time is kept for that.
-    """
-
-    proves: bool = True
-    until_done: bool = False
-    cost: bool = False
-    prizes_alone: bool = False
 
 
 class _Prover(ConcurrentProof[ColumnProof]):
@@ -175,9 +152,9 @@ def plan(
     seed: int,
     stop: Stop,
     progress: Progress,
-    start: Iterable[Iterable[int]] | None = None,
-    options: ProofOptions,
-    goals: Goals,
+    start: Iterable[Iterable[int]] | None,
+    options: AutoOptions | ExactOptions,
+    goals: Goals | None = None,
 ) -> Result:
     """The best plan that the time allows, with a proof if one is found.
 
@@ -193,11 +170,12 @@ def plan(
     ----------
     method : str
         Whose result it is.
-    start : sequence of sequences of int, optional
-        Routes to begin from.
-    options : ProofOptions
-    goals : Goals
+    problem, seed, stop, progress, start, options
+        As planners take them.
+    goals : Goals, optional
+        By default those of the options.
     """
+    goals = goals or options.goals
     certificate, pool = GapTracker(problem, progress), RoutePool(problem)
     asks_for_cost = problem.instance.objective.asks_for_more and not goals.prizes_alone
     within: Stop = ShareOfTime(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
@@ -243,6 +221,7 @@ def plan(
                     seed=seed,
                     stop=within,
                     progress=silent,
+                    start=None,
                     options=options,
                     goals=Goals(until_done=True, prizes_alone=True),
                 ),

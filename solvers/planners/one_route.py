@@ -11,9 +11,10 @@ import numpy as np
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 
-from ..beams.beams import USUAL, usual_settings, with_time_value
+from ..beams.beams import usual_settings, with_time_value
 from ..beams.greedy_order import guarded_sequence
 from ..beams.recreate import recreate
 from ..beams.timely_beams import Beams, first_width, pilots
@@ -26,6 +27,7 @@ from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentPro
 from ..proof.large_proof import LargeProof
 from ..proof.proof import Proof, ProofOptions, proof_of
 from ..walks.latest_times import Latest
+from .options import AutoOptions
 from .rounds import Task, run
 
 Prover = ConcurrentProof[Proof | LargeProof]
@@ -313,15 +315,14 @@ def _one_after_another(first: Task | None, then: Task) -> Task:
 
 
 def plan(
-    mission: Mission,
+    method: str,
+    problem: Problem,
     *,
     seed: int,
     stop: Stop,
     progress: Progress,
-    start: Iterable[int] | None = None,
-    options: ProofOptions,
-    proves: bool = True,
-    time_value_m_s_per_h: float = USUAL,
+    start: Iterable[Iterable[int]] | None,
+    options: AutoOptions,
 ) -> Result:
     """The best plan of one chaser that the time allows, with a proof if one is found.
 
@@ -335,20 +336,22 @@ def plan(
 
     Parameters
     ----------
-    start : sequence of int, optional
-        A plan to begin from: bodies in order.
-    proves : bool
-        Whether to work on the bound.
-    time_value_m_s_per_h : float
-        As for ``beam``.
+    method : str
+        Whose result it is.
+    problem : Problem
+        With a mission that is :attr:`~.Problem.alone`.
+    seed, stop, progress, start, options
+        As planners take them.
     """
-    given, mission = mission, with_time_value(mission, time_value_m_s_per_h)
+    given = problem.alone
+    assert given is not None
+    mission = with_time_value(given, options.time_value_m_s_per_h)
     certificate = GapTracker(mission, progress)
     search = RouteSearches(mission, seed, stop, certificate)
     certificate.offer(guarded_sequence(given))
     if start is not None:
-        certificate.offer(start)
-    prover = _prover(mission, certificate, stop, options) if proves else None
+        certificate.offer(*start)
+    prover = _prover(mission, certificate, stop, options) if options.goals.proves else None
     search.begin(prover, options.cores)
     rounds = run(certificate, search, prover, stop=stop, cores=options.cores)
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
@@ -356,7 +359,7 @@ def plan(
         counters |= prover.counters
     stated = certificate.stated
     return certificate.result(
-        "auto",
+        method,
         seed=seed,
         counters=counters,
         upper_bound=stated,

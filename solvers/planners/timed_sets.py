@@ -11,13 +11,14 @@ from adr_opt.common.memory import available_bytes
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 
 from ..progress.gap import GapTracker
 from ..proof.proof import ProofOptions
-from ..sets.earliest_end import LABEL_BYTES, EarliestEnd
-from ..sets.orienteering import MOST_TARGETS, Orienteering
-from ..sets.tour import TimedTour, sequence_of, tour_of
+from ..timed_tours.earliest_end import LABEL_BYTES, EarliestEnd
+from ..timed_tours.orienteering import MOST_TARGETS, Orienteering
+from ..timed_tours.tour import TimedTour, sequence_of, tour_of
 
 WIDTHS = (100, 1_000, 10_000, 100_000)
 """Labels of a layer that go on in the searches before that of all labels."""
@@ -28,24 +29,26 @@ MEMORY_SHARE = 0.4
 
 def plan(
     method: str,
-    mission: Mission,
+    problem: Problem,
     *,
     seed: int,
     stop: Stop,
     progress: Progress,
-    start: Iterable[int] | None,
+    start: Iterable[Iterable[int]] | None,
     options: ProofOptions,
 ) -> Result:
     """The best plan and its proof, or the best plan so far: both of the prizes and of the cost.
 
-    A tour of all targets that ends first is a question of its own (:mod:`..sets.earliest_end`),
-    asked first where it may be the answer.
+    A tour of all targets that ends first is a question of its own, asked first where it may be the
+    answer (:mod:`..timed_tours.earliest_end`).
 
     Raises
     ------
     InputError
         There are too many targets.
     """
+    mission = problem.alone
+    assert mission is not None
     targets = len(mission.instance.targets)
     if targets > MOST_TARGETS:
         raise InputError(
@@ -54,7 +57,7 @@ def plan(
         )
     certificate = GapTracker(mission, progress)
     if start is not None:
-        certificate.offer(start)
+        certificate.offer(*start)
     room = int(min(MEMORY_SHARE * available_bytes() / LABEL_BYTES, 2**30))
     searches = _Searches(mission, certificate, stop, room)
     tour = tour_of(mission)

@@ -42,13 +42,13 @@ class CostRounds(Protocol):
         """End the threads."""
 
 
-def asked(problem: Prizes, least_worth: float) -> float:
-    """Least worth of plans in a cost proof.
+def least_worth_of(problem: Prizes, worth: float) -> float:
+    """Least worth of plans in a cost proof, where plans worth as much as another are meant.
 
     A little less, so that no rounding of a sum of prizes counts, but far more than any plan has
     that collects less.
     """
-    return least_worth - min(SLACK_WORTH * abs(least_worth), 0.5 * problem.prize_resolution)
+    return worth - min(SLACK_WORTH * abs(worth), 0.5 * problem.prize_resolution)
 
 
 def is_least(cost: float, bound: float) -> bool:

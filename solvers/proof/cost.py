@@ -37,7 +37,7 @@ from ..labels.extension import CompletionValues
 from ..labels.label_search import LabelSearch
 from ..networks.arrays import Network
 from ..networks.evidence import as_bits
-from ..progress.cost_rounds import RELATIVE, CostRounds, asked, is_least
+from ..progress.cost_rounds import RELATIVE, CostRounds, is_least, least_worth_of
 from ..walks.sweeps import NEVER
 from ..walks.tariffs import Tariff
 from ..walks.walks import LARGEST, Paid, WalkBound
@@ -206,7 +206,7 @@ class CostProof(CostRounds):
         self._walks = PricedBound(
             mission, COARSER * delta_v_slot_m_s, jobs, over, self._reach.network
         )
-        self._asked_worth, self._worth = least_worth, asked(mission, least_worth)
+        self._asked_worth, self._worth = least_worth, least_worth_of(mission, least_worth)
         # Walks pay for what the tank lacked before the start, and plans do not.
         self._spent = mission.connecting.spent_m_s(mission.rules.start)
         self._proving, self._finding = LabelSearch(self._walks), LabelSearch(self._walks)

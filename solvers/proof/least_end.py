@@ -19,7 +19,7 @@ from adr_opt.common.stop import Stop
 from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 
-from ..progress.cost_rounds import RELATIVE, asked
+from ..progress.cost_rounds import RELATIVE, least_worth_of
 from ..progress.gap import GapTracker
 from ..progress.halting import ShareOfTime
 
@@ -77,7 +77,7 @@ def prove_end(
     counters : dict
         ``ends_asked``: how many shorter missions were looked at.
     """
-    goal = asked(problem, certificate.incumbent)
+    goal = least_worth_of(problem, certificate.incumbent)
     ruled_out, open_from, asked_about = 0.0, math.inf, 0
     while stop.remaining_s() > LEAST_S and certificate.cost > 0.0:
         end = certificate.cost * (1.0 - JUST_BELOW)

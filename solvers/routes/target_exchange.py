@@ -110,7 +110,7 @@ class Exchanges:
         """
         if self._certificate.routes is None:
             return False
-        asked = self._certificate.incumbent
+        wanted = self._certificate.incumbent
         now = tuple(self._open(route) for route in self._certificate.routes)
         best = present = self._total(now)
         scale, found_any = abs(self._certificate.cost), False
@@ -119,13 +119,13 @@ class Exchanges:
                 break
             heat = scale * HOT * (COLD / HOT) ** (made / iterations)
             self.counters["exchanges"] += 1
-            trial = self._exchanged(now, asked)
+            trial = self._exchanged(now, wanted)
             if trial is None:
                 continue
             found = self._total(trial)
             worth = self._problem.collected(targets_of(self._problem, trial))
-            if worth > asked + self._problem.prize_resolution and found < math.inf:
-                asked, now, present, best = worth, trial, found, found
+            if worth > wanted + self._problem.prize_resolution and found < math.inf:
+                wanted, now, present, best = worth, trial, found, found
                 found_any = self._offer(trial) or found_any
             elif found < present - heat * math.log(1.0 - self._rng.random()):
                 now, present = trial, found
@@ -183,7 +183,7 @@ class Exchanges:
         self._timed[key] = timed
         return timed
 
-    def _exchanged(self, now: Routes, asked: float) -> Routes | None:
+    def _exchanged(self, now: Routes, wanted: float) -> Routes | None:
         """Routes after an exchange of targets; None if they are worth less."""
         rng, worths = self._rng, self._problem.planning_prizes
         out = self._drawn(now)
@@ -197,8 +197,8 @@ class Exchanges:
         with_stations, more = rng.random() < WITH_STATIONS, rng.random() < ONE_MORE
         have = self._problem.collected(targets_of(self._problem, routes))
         costs = [self._time(chaser, route).cost for chaser, route in enumerate(routes)]
-        asked -= self._problem.prize_resolution
-        while bag and (more or have < asked):
+        wanted -= self._problem.prize_resolution
+        while bag and (more or have < wanted):
             drawn = bag if rng.random() < CHOSEN else bag[:1]
             place = self._place(routes, costs, drawn, with_stations)
             if place is None:
@@ -208,7 +208,7 @@ class Exchanges:
             costs[place.chaser] = self._time(place.chaser, place.route).cost
             bag.remove(place.body)
             have += worths[place.body]
-        return tuple(routes) if have >= asked else None
+        return tuple(routes) if have >= wanted else None
 
     def _drawn(self, now: Routes) -> set[int]:
         """Random targets to be removed from their routes."""

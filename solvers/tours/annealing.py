@@ -74,6 +74,9 @@ def judged(cost, tour, size, behind, grid, expense, fresh):
     """
     order, begins, at, slope, kit = borrowed(tour)
     times, gaps = cost.shape[3], cost.shape[2]
+    # ``behind[j][t]`` is the least cost from target j at time t to the end. So the least of the
+    # first row is that of the tour, and the next time is always the one that attains it: no time is
+    # tried twice, and none has to be taken back.
     best, now = FAR, -1
     first = behind[order[0]]
     for t in range(times):
@@ -105,6 +108,9 @@ def judged(cost, tour, size, behind, grid, expense, fresh):
         if then < 0:
             return np.inf
         at[k] = now = then
+    # At these times the expense is the true one, exponential in the legs and not linear as with
+    # slopes. What a unit of a leg adds here is its slope the next time: a tour whose times are best
+    # at its own slopes is one that no small change of a time makes cheaper.
     total, end = 0.0, size
     while end > 0:
         # Mass backwards to the first of the mission, then what a unit of each leg adds to it.
@@ -153,6 +159,10 @@ def marked(least, order, begins, at, size, most, marks):
     int
         Where a mission is to be cut in two as well; −1 for nowhere.
     """
+    # Whatever is marked, put_back finds places for it or the trial is dropped: so kinds are free to
+    # differ, and each is for one fault of a tour: a stretch in a bad order, two stretches that
+    # would do better together, neighbours that are apart, single targets, a mission too many or too
+    # few.
     for k in range(size):
         marks[k] = False
     count = min(np.random.randint(2, most + 1), size - 1)
@@ -262,10 +272,14 @@ def anneal(costs, tour, grid, expense, iterations, seed, heat, rules):
         rules.noise * heat,
         expense.most_missions,
     )
+    # ``here`` is the tour at which the search stands, with the slopes that it was judged by, and
+    # ``there`` a trial. A trial is written anew from ``here`` each time, so it may be left in any
+    # state; it becomes ``here`` only after it was judged, complete and at times of its own.
     for _ in range(iterations):
         split = marked(least, now, cut, when, count, most, marks)
         if split >= 0 and cut.sum() >= expense.most_missions:
             split = -1
+        # A mission whose first target is taken out begins with the next one that stays.
         size, lost, pending = 0, 0, False
         for k in range(count):
             pending = pending or cut[k] or k == split

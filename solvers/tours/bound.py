@@ -24,8 +24,9 @@ import numpy.typing as npt
 
 from adr_opt.common.clock import now_s
 
+from .cell_walks import LeastWalks, MassCosts, Memories, sweep
 from .costs import FORBIDDEN, Costs, TimeGrid, TourExpense
-from .walks import LeastWalks, MassCosts, Memories, sweep, trace
+from .traced_walks import trace
 
 FloatArray = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -155,7 +156,7 @@ def neighbourhoods(cells: Costs, count: int) -> Integers:
 
 
 def memories(neighbours: Integers) -> Memories:
-    """Memory of walks, for :func:`~.walks.sweep`."""
+    """Memory of walks, for :func:`~.cell_walks.sweep`."""
     targets, count = neighbours.shape
     bit = np.full((targets, targets), -1, np.int64)
     for i in range(targets):
@@ -220,7 +221,7 @@ class _Walks:
         )
         self._done = np.zeros(targets, np.int64)
 
-    def _asked(self, prices: FloatArray, fee: float) -> tuple[Any, ...]:
+    def _arguments(self, prices: FloatArray, fee: float) -> tuple[Any, ...]:
         kind, tangent = self._kind, self._tangent
         costs = kind(tangent.per_kg), kind(tangent.fixed + fee), kind(self._expense.kit_kg)
         masses = MassCosts(self._growth, self._level, *costs)
@@ -228,7 +229,7 @@ class _Walks:
 
     def value(self, prices: FloatArray, fee: float) -> float:
         """Least cost of all walks at some prices and a fee for launches, plus all prices."""
-        sweep(*self._asked(prices, fee))
+        sweep(*self._arguments(prices, fee))
         # No mission at all is a walk too.
         total = float(prices.astype(self._kind).sum(dtype=np.float64))
         return total + min(float(self._least.ended[-1]), 0.0)
@@ -243,7 +244,7 @@ class _Walks:
         done, mass, missions = np.zeros(self._done.size), 0.0, 0
         for _ in range(DRAWN):
             draws = random.random(4 * self._done.size)
-            more_mass, more = trace(*self._asked(prices, fee), draws, self._done)
+            more_mass, more = trace(*self._arguments(prices, fee), draws, self._done)
             done, mass, missions = done + self._done, mass + float(more_mass), missions + int(more)
         carried_kg = mass / max(missions, 1) - self._expense.dry_kg
         return 1.0 - done / DRAWN, missions / DRAWN, carried_kg
@@ -308,9 +309,9 @@ def bound(
     # The fee stands behind the prices; where it is none, nothing ever moves it.
     now = best_prices = np.append(now, fee / FEE if missions else 0.0)
     carried_kg, given = 0.0, missions or 0
-    asked = cells, grid, expense, tangent, memory_of, settings.levels
+    arguments = cells, grid, expense, tangent, memory_of, settings.levels
     if settings.rounds > 0:
-        of_rounds = cells if likely is None else likely, *asked[1:]
+        of_rounds = cells if likely is None else likely, *arguments[1:]
         walks, random = _Walks(*of_rounds, np.float32), np.random.default_rng(0)
         share, stalled, direction = settings.share, 0, np.zeros(count + 1)
         since = now_s()
@@ -335,7 +336,7 @@ def bound(
             now = now + min(share * max(aim, 1.0) / square, settings.most_step) * direction
         now = best_prices
         del walks  # its walks take as much memory as half of those below
-    exact = _Walks(*asked, np.float64)
+    exact = _Walks(*arguments, np.float64)
     fee = FEE * float(now[-1])
     value = exact.value(now[:-1], fee) - fee * given
     # Sums lose a share of what they run through: prices on one side, costs on the other.

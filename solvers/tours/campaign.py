@@ -31,7 +31,7 @@ from adr_opt.problem.chasers import TankByMass
 
 from .costs import Tour, TourExpense
 from .grid_costs import TourLayout, costs_of, layout_of
-from .planner import Annealing, Population
+from .population import Annealing, Population
 from .retiming import FineGrid, Growth, Integers, MissionTimes, Retiming
 
 FOR_TIMES, MOST_FOR_TIMES_S = 0.08, 60.0

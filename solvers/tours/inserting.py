@@ -106,6 +106,10 @@ def at_place(cost, tour, size, rows, target, k, rules, may_launch):
     ahead, behind, into, on = borrowed(rows)
     least_gap, apart, wide, near = rules.grid.least_gap, rules.grid.apart, rules.wide, rules.near
     times = cost.shape[3]
+    # ``ahead`` holds the least cost of all that comes before, by the time of its last target, and
+    # ``behind`` that of all that comes after. A target in between needs a time for itself alone:
+    # the least sum, over its times, of the best way in and the best way on is the cost of the whole
+    # tour with it, all other times chosen anew.
     first = at[k - 1] if k > 0 else at[0] - near
     last = at[k] if k < size else at[size - 1] + near
     first, last = max(0, min(first, last) - near), min(times, max(first, last) + near)
@@ -229,6 +233,9 @@ def put_back(costs, tour, size, bag, count, rows, rules):
     grid, wide, times = rules.grid, rules.wide, cost.shape[3]
     forwards(cost, tour, grid, wide, 0, size, ahead)
     backwards(cost, tour, grid, wide, size - 1, size, behind)
+    # From one target to the next these rows stay true: those behind of all places up to the new
+    # one, those ahead of all places from it on, are computed anew; the others did not change, but
+    # for windows of times, which are settled nearby.
     lower = np.empty(order.size, np.float32)
     for item in range(count):
         target = bag[item]

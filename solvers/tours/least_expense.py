@@ -146,11 +146,6 @@ class LeastExpense:
         """The bound: the least of those of all numbers of missions."""
         return min(each.value for each in self._known)
 
-    @property
-    def by_missions(self) -> tuple[float, ...]:
-        """Bounds on campaigns of one mission, of two, and so on."""
-        return tuple(each.value for each in self._known)
-
     def _remembered(self) -> int:
         """Neighbours that walks can remember in the memory that there is."""
         each = self._cells[..., 0, 0].size * STAGES[-1][0] * np.dtype(np.float64).itemsize

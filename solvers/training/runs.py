@@ -51,7 +51,7 @@ def locked(folder: Path) -> Iterator[None]:
         yield
 
 
-class Run:
+class TrainingRun:
     """A folder with ``run.json``, checkpoint, best weights and the curve of evaluations.
 
     Every file is replaced as a whole, so a training that is killed loses what came after its last

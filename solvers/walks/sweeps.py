@@ -115,6 +115,11 @@ def _sweep_buckets(buckets, layer, terms, toll, full_tank, i, high, low):
     came_from = simd.spread(mask if buckets.is_station[i] else i)
     base = buckets.start[i]
     priced, timed = toll.size > 0, stop.size > 0
+    # A leg lands in a later bucket, and waiting leads to the next one, a width further on:
+    # backwards, all that is read is done. What is kept of a state are its best value and the best
+    # one with another next body. Of all walks that do not go straight back to any one body these
+    # two hold the best, and no third is ever needed; that is why what is beaten (the loser) is
+    # compared with the second if its next body differs.
     for bucket in range(base + high - 1, base + low - 1, -1):
         begin, end = buckets.first[bucket], buckets.first[bucket + 1]
         for c in range(0, width, simd.LANES):

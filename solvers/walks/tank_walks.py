@@ -79,6 +79,9 @@ def _sweep(stream, terms, values, pointer, begin, stride, high, low):
     best, second = values
     mask = (1 << bits) - 1
     keep_value, keep_next, never = simd.spread(~mask), simd.spread(mask), simd.spread(NEVER)
+    # As in :mod:`.sweeps`: legs lead to later steps, of which all values are there already, also of
+    # other threads' bodies, since no leg is shorter than what is swept at once; and best and second
+    # hold, for each body that one may not go straight back to, the best of all others.
     for i in range(begin, bodies, stride):
         # From a station nothing is forbidden; no body has all bits set.
         back = mask if is_station[i] else i

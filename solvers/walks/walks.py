@@ -41,7 +41,7 @@ from ..networks.buckets import Buckets, assign
 from ..networks.buckets import build as fill
 from ..networks.layers import SLACK, layers_of
 from ..networks.network import build
-from .fallen import fallen
+from .prize_losses import prize_losses
 from .sweeps import Values, WalkState, WalkTerms, begin, sweep_until, trace
 
 LARGEST = 2**29
@@ -244,7 +244,7 @@ class WalkBound:
         self.unit = 2.0 ** -math.floor(math.log2(room))
         self.toll, self.stop = np.empty((1, 0), dtype=np.int32), np.empty(0, dtype=np.int32)
         self.falls = rules.falls
-        self.fall = fallen(self.network, self.buckets, rules.falls, self.unit, self.bits)
+        self.fall = prize_losses(self.network, self.buckets, rules.falls, self.unit, self.bits)
         self.time_price = 0.0
         self.price, self.worths, self.flown = np.zeros(1), self.prize, np.zeros(bodies)
         self.tank = np.array([rules.budget]) if self.loads is None else np.array(self.loads.first)

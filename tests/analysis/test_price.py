@@ -13,7 +13,7 @@ from two_chasers import HOME, OWN, campaign, planned
 
 import adr_opt
 from adr_opt.analysis import orders_of, price, read_orders
-from adr_opt.analysis.mending import PRECISION_M_S
+from adr_opt.analysis.remedies import PRECISION_M_S
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.mission.mission import Mission
@@ -130,19 +130,19 @@ def test_a_window_that_closes_too_early_is_named() -> None:
 
 
 def test_every_single_change_that_mends_is_found() -> None:
-    """Each mending can be flown, the best comes first, and none that works is left out."""
+    """Each remedy can be flown, the best comes first, and none that works is left out."""
     instance = hand_made()
     order = ("south", "north", "beyond")
     (route,) = priced(instance, *order).routes
     assert not route.holds
-    found = {(each.kind, each.order) for each in route.mendings}
+    found = {(each.kind, each.order) for each in route.remedies}
     for _, changed in found:
         assert priced(instance, *changed, mend=False).holds
     assert ("leave-out", ("north", "beyond")) in found
     assert ("refuel", OPTIMAL) in found
-    assert route.mendings[0].order == OPTIMAL
-    assert [each.prize for each in route.mendings] == sorted(
-        (each.prize for each in route.mendings), reverse=True
+    assert route.remedies[0].order == OPTIMAL
+    assert [each.prize for each in route.remedies] == sorted(
+        (each.prize for each in route.remedies), reverse=True
     )
     tried = {order[:at] + order[at + 1 :] for at in range(3)}
     tried |= {(*order[:at], "station", *order[at:]) for at in (1, 2)}
@@ -162,8 +162,8 @@ def test_what_is_required_is_not_left_out() -> None:
     with pytest.raises(InputError, match="mend it first"):
         made.plan()
     (route,) = priced(instance, "south", "north", "beyond").routes
-    assert route.mendings
-    assert all("south" in each.order for each in route.mendings)
+    assert route.remedies
+    assert all("south" in each.order for each in route.remedies)
 
 
 def test_an_order_against_the_rules_says_which() -> None:
@@ -172,7 +172,7 @@ def test_an_order_against_the_rules_says_which() -> None:
     (route,) = made.routes
     assert "which was visited before" in route.reason
     assert route.missing.delta_v_m_s is None
-    assert {each.order for each in route.mendings} >= {("north", "beyond")}
+    assert {each.order for each in route.remedies} >= {("north", "beyond")}
 
 
 def test_orders_are_read_from_words_and_files(tmp_path: Path) -> None:

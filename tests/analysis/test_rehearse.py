@@ -17,12 +17,12 @@ from drawn_worlds import drawn_uncertainty
 from random_rules import random_campaign, random_mission
 
 import adr_opt
-from adr_opt.analysis import rest
 from adr_opt.analysis.rehearse.intended import intended
 from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 from adr_opt.analysis.rehearse.rehearsals import share, summary
 from adr_opt.analysis.rehearse.replay import replay
 from adr_opt.analysis.rehearse.sampling import Setting, flown_in, rehearse, setting_of
+from adr_opt.analysis.replan import remaining_plan
 from adr_opt.common.errors import InputError
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import Tank
@@ -212,7 +212,7 @@ def test_planners_elsewhere_use_one_core_each(monkeypatch: pytest.MonkeyPatch) -
         asked.append(more.get("jobs"))
         raise InterruptedError
 
-    monkeypatch.setattr(rest, "solve", noted)
+    monkeypatch.setattr(remaining_plan, "solve", noted)
     instance, plan = two_chasers.campaign(), two_chasers.planned()
     slow = Uncertainty(service_s={"added": {"mean_s": 9000.0}})
     setting = Setting(instance, plan, slow, "beam")

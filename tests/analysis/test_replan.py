@@ -17,7 +17,7 @@ from two_chasers import campaign, planned
 
 import adr_opt
 from adr_opt.analysis import price, replan
-from adr_opt.analysis.state import states_at
+from adr_opt.analysis.replan.chaser_states import states_at
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.plan.plan import InstanceReference, Plan
@@ -340,14 +340,7 @@ def test_the_verb_writes_the_rest(cli: Cli) -> None:
     plan.save("p.json")
     Path("z.json").write_text(json.dumps([json.loads(ZONE.model_dump_json())]))
     outcome = cli(
-        "replan",
-        "i.json",
-        "p.json",
-        "--at",
-        "9.6h",
-        "--zones",
-        "z.json",
-        "--lost",
+        "replan i.json p.json --at 9.6h --zones z.json --lost",
         plan.destinations[-1],
         "--out",
         "r.json",

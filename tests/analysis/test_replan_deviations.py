@@ -24,8 +24,8 @@ from two_chasers import campaign, planned
 
 import adr_opt
 from adr_opt.analysis import Replanned, price, replan
-from adr_opt.analysis.deviations import Deviations
-from adr_opt.analysis.state import ChaserState, states_at
+from adr_opt.analysis.replan.chaser_states import ChaserState, states_at
+from adr_opt.analysis.replan.deviations import Deviations
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.plan.plan import Plan
@@ -494,22 +494,8 @@ def test_the_verb_takes_all_that_went_otherwise(cli: Cli) -> None:
     plan.save("p.json")
     at = f"{plan.legs[2].end_s + 1.0}s"
     outcome = cli(
-        "replan",
-        "i.json",
-        "p.json",
-        "--at",
-        at,
-        "--missed",
-        "north",
-        "--retry",
-        "--service-took",
-        "south=900s",
-        "--cost",
-        "3=140",
-        "--out",
-        "r.json",
-        "--out-instance",
-        "ri.json",
+        f"replan i.json p.json --at {at} --missed north --retry --service-took south=900s "
+        "--cost 3=140 --out r.json --out-instance ri.json"
     )
     assert outcome.status == 0, outcome
     assert "missed, and may be tried again: 1 target: north" in outcome.out

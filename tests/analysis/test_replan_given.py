@@ -20,7 +20,7 @@ from toy_roads import HOUR_S, solved
 
 import adr_opt
 from adr_opt.analysis import replan
-from adr_opt.analysis.state import states_at
+from adr_opt.analysis.replan.chaser_states import states_at
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance
@@ -144,10 +144,7 @@ def test_files_of_the_rest_leave_those_of_the_whole_alone(cli: Cli) -> None:
     hours = f"{plan.legs[0].end_s / HOUR_S}h"
     for number, lost in enumerate(([], ["--lost", plan.destinations[1]])):
         outcome = cli(
-            "replan",
-            "roads.json",
-            "plan.json",
-            "--at",
+            "replan roads.json plan.json --at",
             hours,
             *lost,
             "--out",

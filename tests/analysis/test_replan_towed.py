@@ -7,22 +7,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-from brute_force import tow_of
 from on_from import Field, most, violations
-from random_rules import (
-    carrying,
-    drifting_mission,
-    mixed_campaign,
-    random_campaign,
-    random_mission,
-    towing,
-)
+from plain_world import tow_of
 from seeds import over_kinds, over_seeds
-from towed_fields import TANK
+from towed_fields import TANK, drawn
 
 import adr_opt
 from adr_opt.analysis import Replanned, price, replan
-from adr_opt.analysis.state import states_at
+from adr_opt.analysis.replan.chaser_states import states_at
 from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly
 from adr_opt.kernels.orbits import columns, ephemeris
@@ -32,17 +24,6 @@ from adr_opt.plan.plan import Leg, Plan
 from adr_opt.plan.tows import leaving_orbits
 from adr_opt.problem.chasers import InOrbit
 from adr_opt.problem.instance import Instance
-
-
-def drawn(seed: int) -> tuple[Instance, Plan | None]:
-    """One chaser or several that tow, by turns with kits, in all dynamics, and some plan."""
-    draw = drifting_mission if seed % 2 else random_mission
-    make = (draw, lambda n: random_campaign(n, draw), lambda n: mixed_campaign(n, draw))[seed % 3]
-    made = make(seed // 2)
-    instance = towing(carrying(made, seed) if seed % 4 < 2 else made, seed)
-    return instance, adr_opt.solve(
-        instance, "greedy" if seed % 8 < 4 else "auto", time_limit=2
-    ).plan
 
 
 def untowed(leg: Leg) -> Leg:
@@ -55,7 +36,9 @@ def test_what_is_flown_and_the_rest_are_one_mission(seeds: range) -> None:
     """At any time, with targets lost or legs kept, they stay as they were, and `check` passes."""
     put = waits = 0
     for seed in seeds:
-        instance, plan = drawn(seed)
+        instance = drawn(seed)
+        method = "greedy" if seed % 8 < 4 else "auto"
+        plan = adr_opt.solve(instance, method, time_limit=2).plan
         if plan is None or not plan.legs:
             continue
         rng = np.random.default_rng([22, seed])

@@ -26,7 +26,7 @@ from adr_opt.analysis.robust.stays import StayTime, slip_chance, slip_quantile
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.core.windows import service_begin
-from adr_opt.legs.risk_charge import Moments, RiskCharge
+from adr_opt.legs.corrections import Moments, RiskCharge
 from adr_opt.plan.leg_kinds import leg_kinds
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import Tank

@@ -25,8 +25,7 @@ from adr_opt.study.file import read as read_study
 from adr_opt.ui.cli.replan import read_zones
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.objects.recognise import recognised
-from adr_opt.ui.serve.project.record import ProjectRecord
-from adr_opt.ui.serve.project.result_record import ResultRecord
+from adr_opt.ui.serve.project.record import ProjectRecord, ResultRecord
 
 TWICE = '{"format": "%s", "key": {"a": 1, "b": [{"a": 2, "a": 3}]}}'
 """A text with a key twice in an object within it, whatever else it lacks."""

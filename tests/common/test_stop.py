@@ -1,22 +1,16 @@
-"""Stopping criteria: each says enough when it should, and not before."""
+"""Stopping criteria and their clock: each says enough when it should, and not before."""
 
 from __future__ import annotations
 
 import math
 import threading
+import time
 
 import pytest
 
+from adr_opt.common import clock
 from adr_opt.common.errors import InputError
-from adr_opt.common.stop import (
-    AnyOf,
-    Interrupted,
-    MaxIterations,
-    MaxRuntime,
-    NoImprovement,
-    Proven,
-    max_runtime,
-)
+from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, NoImprovement, Proven
 
 NOTHING = (-math.inf, math.inf)
 
@@ -29,16 +23,19 @@ def test_max_iterations() -> None:
 
 
 @pytest.mark.parametrize("limit", [0, -1])
-def test_max_iterations_must_be_positive(limit: int) -> None:
-    """No iterations at all is refused, and the sentence says the number."""
-    with pytest.raises(InputError, match=f"iterations = {limit}: must be positive"):
-        MaxIterations(limit)
+@pytest.mark.parametrize(
+    ("stop", "said"), [(MaxIterations, "iterations"), (NoImprovement, "without improvement")]
+)
+def test_numbers_must_be_positive(stop: type, said: str, limit: int) -> None:
+    """No iterations and no patience at all are refused, and the sentence says the number."""
+    with pytest.raises(InputError, match=f"{said} = {limit}: must be positive"):
+        stop(limit)
 
 
 def test_max_runtime(monkeypatch: pytest.MonkeyPatch) -> None:
     """Not enough before the limit, enough after it, counted from the making of the criterion."""
     now = 1000.0
-    monkeypatch.setattr(max_runtime, "now_s", lambda: now)
+    monkeypatch.setattr("adr_opt.common.stop.now_s", lambda: now)
     stop = MaxRuntime(0.25)
     assert not stop(*NOTHING)
     assert stop.remaining_s() == 0.25
@@ -74,13 +71,6 @@ def test_no_improvement_looks_at_the_incumbent_alone() -> None:
     stop = NoImprovement(2)
     assert [stop(1.0, bound) for bound in (9.0, 8.0, 7.0)] == [False, False, True]
     assert stop.remaining_s() == math.inf
-
-
-@pytest.mark.parametrize("limit", [0, -5])
-def test_no_improvement_must_be_positive(limit: int) -> None:
-    """No patience at all is refused."""
-    with pytest.raises(InputError, match=f"without improvement = {limit}: must be positive"):
-        NoImprovement(limit)
 
 
 @pytest.mark.parametrize(
@@ -137,3 +127,17 @@ def test_any_of_nothing_never_ends() -> None:
     """Without criteria there is no reason to stop."""
     assert not AnyOf()(*NOTHING)
     assert AnyOf().remaining_s() == math.inf
+
+
+def test_processor_time_stands_still_while_others_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A process that sleeps uses none, and one that works does; pauses count no more."""
+    monkeypatch.setattr(clock, "_seconds", clock._seconds)
+    monkeypatch.setattr(clock, "_pauses", [lambda: time.perf_counter()])
+    clock.count_processor_time()
+    began = clock.now_s()
+    time.sleep(0.2)
+    assert 0.0 <= clock.now_s() - began < 0.1
+    until = time.process_time() + 0.02
+    while time.process_time() < until:
+        pass
+    assert clock.now_s() - began >= 0.02

@@ -29,9 +29,7 @@ SCALES = (1e-7, 1.0, 1e7)
         (0.317, 1.618),
     ],
 )
-@pytest.mark.parametrize(
-    "method", ["auto", "exact", pytest.param("mip", marks=pytest.mark.slow), "cpsat"]
-)
+@pytest.mark.parametrize("method", ["auto", "exact", pytest.param("mip", marks=pytest.mark.slow)])
 @over_seeds(range(3), gate=1)
 def test_scaled_prizes_change_nothing(method: str, prizes: tuple[float, ...], seed: int) -> None:
     """All prizes a ten-millionth, or ten million times: optimal plans and proofs of the same."""

@@ -15,8 +15,8 @@ from conftest import Cli
 from pages import PAGES, ROOT, commands, in_a_small_world, meant, read
 
 from adr_opt.run import methods as planner
-from adr_opt.ui.cli.verbs import VERBS
-from adr_opt.ui.cli.verbs import command as verbs
+from adr_opt.ui.cli.entry import VERBS
+from adr_opt.ui.cli.entry import command as verbs
 
 ALL_COMMANDS = sorted({line for page in PAGES for line in commands(page.read_text("utf-8"))})
 OURS = [line for line in ALL_COMMANDS if line.startswith("python -m adr_opt ")]

@@ -18,7 +18,7 @@ DOORS = {
     # that knows their spellings
     "json.load": (PRODUCT, set()),
     "json.loads": (PRODUCT, {"adr_opt/common/json_text.py"}),
-    "JSONDecoder": (PRODUCT, {"adr_opt/sources/catalogue/omm_json.py"}),
+    "JSONDecoder": (PRODUCT, {"adr_opt/sources/catalogue/omm_formats.py"}),
     "validate_json": (PRODUCT, {"adr_opt/common/json_text.py"}),
     "model_validate_json": (PRODUCT, {"adr_opt/common/json_text.py"}),
     "parse_raw": (PRODUCT, set()),
@@ -35,7 +35,7 @@ DOORS = {
     "Client": ((*PRODUCT, "bench"), {"adr_opt/study/cluster.py"}),
     "get_reusable_executor": ((*PRODUCT, "bench"), set()),
     # without the settings that all runs need
-    "CpSolver": ((*PRODUCT, "bench"), {"solvers/models/cp_sat_solver.py"}),
+    "CpSolver": ((*PRODUCT, "bench"), {"solvers/models/cp_sat.py"}),
 }
 """Names that only some modules may call, by the folders that are searched."""
 

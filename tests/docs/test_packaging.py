@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from pages import read
 
-from adr_opt.common.requirements import Requirement, requirements
+from adr_opt.common.packages import Requirement, requirements
 
 CONDA_NAMES = {"matplotlib": "matplotlib-base", "ortools": "ortools-python", "torch": "pytorch"}
 """Packages that conda-forge has under other names."""

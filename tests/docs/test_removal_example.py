@@ -32,12 +32,14 @@ def plan_removal() -> Callable[..., int]:
     return lambda *arguments: main([str(argument) for argument in arguments])
 
 
-def test_the_made_up_catalogue_is_what_its_script_prints(
-    capsys: pytest.CaptureFixture[str],
+@pytest.mark.parametrize("example", ["removal", "rocket-bodies"])
+def test_made_up_catalogues_are_what_their_scripts_print(
+    example: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """bodies.tle is the output of the script beside it."""
-    runpy.run_path(str(FOLDER / "make_bodies.py"), run_name="__main__")
-    assert capsys.readouterr().out == (FOLDER / "bodies.tle").read_text(encoding="utf-8")
+    folder = FOLDER.parent / example
+    runpy.run_path(str(folder / "make_bodies.py"), run_name="__main__")
+    assert capsys.readouterr().out == (folder / "bodies.tle").read_text(encoding="utf-8")
 
 
 def hold(out: Path, said: str, deadline_days: float) -> None:

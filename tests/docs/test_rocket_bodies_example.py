@@ -100,14 +100,6 @@ def test_what_is_wrong_is_said_in_one_sentence(
     assert not (tmp_path / "made").exists()
 
 
-def test_the_made_up_catalogue_is_what_its_script_prints(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    """bodies.tle is the output of the script beside it."""
-    runpy.run_path(str(FOLDER / "make_bodies.py"), run_name="__main__")
-    assert capsys.readouterr().out == (FOLDER / "bodies.tle").read_text(encoding="utf-8")
-
-
 @pytest.mark.slow
 def test_the_made_up_catalogue_is_planned(
     plan_a_year: Callable[..., int], tmp_path: Path, capsys: pytest.CaptureFixture[str]

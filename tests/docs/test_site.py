@@ -187,7 +187,7 @@ def test_the_pictures_are_what_the_script_draws(tmp_path: Path) -> None:
     drawn = draw(tmp_path)
     # The tasks, the benchmark, the page on contributing, the plan that moves and the diagrams have
     # scripts of their own.
-    own = ("task-", "time-quality", "house", "plan", "choice", "chaser", "relaxation", "engine")
+    own = ("task-", "time-quality", "house", "plan", "choice", "chaser", "relaxation")
     others = {path.name for path in PICTURES if path.name.startswith(own)}
     assert {path.name for path in drawn} == {path.name for path in PICTURES} - {"icon.svg", *others}
     for path in drawn:

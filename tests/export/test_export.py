@@ -13,7 +13,7 @@ import pytest
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.export.tables import write_matrix
+from adr_opt.export.tables import write, write_matrix
 from adr_opt.export.tables.weights import LARGEST, whole_weights
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.instance import Instance
@@ -337,18 +337,16 @@ def test_a_failure_leaves_the_old_file(
     mission: Mission, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
 ) -> None:
     """Files are written whole or not at all: a failure on the way changes nothing."""
-    from adr_opt.export.tables import netcdf, npz, oplib, tsp, vrp
-
     path = tmp_path / f"costs{suffix}"
     path.write_text("old")
-    module = {".npz": npz, ".nc": netcdf, ".tsp": tsp, ".vrp": vrp, ".oplib": oplib}[suffix]
-    honest = module.write
+    function = f"write_{suffix[1:].replace('nc', 'netcdf')}"
+    honest = getattr(write, function)
 
     def fails(temporary: Path, *arguments: object) -> None:
         honest(temporary, *arguments)
         raise RuntimeError("the machine stops here")
 
-    monkeypatch.setattr(module, "write", fails)
+    monkeypatch.setattr(write, function, fails)
     with pytest.raises(RuntimeError, match="stops here"):
         write_matrix(mission, path, [0.0])
     assert path.read_text() == "old"

@@ -12,7 +12,7 @@ import pytest
 
 import adr_opt
 from adr_opt.export.tables import write_matrix
-from adr_opt.export.tables.oplib import scores
+from adr_opt.export.tables.weights import scores
 from adr_opt.mission.mission import Mission
 
 EXTERNAL = Path(

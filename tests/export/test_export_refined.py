@@ -22,8 +22,7 @@ from plans import moved_to
 import adr_opt
 from adr_opt.export.flights import FlightFile, write_plan
 from adr_opt.export.flights.refined_oem import write_refined
-from adr_opt.fly.refine.bodies import moved
-from adr_opt.fly.refine.states import state_of
+from adr_opt.fly.refine.bodies import moved, state_of
 from adr_opt.fly.trajectory.axes import axes_of
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedPlan

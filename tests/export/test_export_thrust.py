@@ -24,8 +24,7 @@ from adr_opt.export.flights import FlightFile, write_plan
 from adr_opt.export.flights.czml_packets import rgba
 from adr_opt.export.flights.refined_oem import write_refined
 from adr_opt.export.flights.thrust_history import thrust_windows
-from adr_opt.fly.refine.bodies import moved
-from adr_opt.fly.refine.states import state_of
+from adr_opt.fly.refine.bodies import moved, state_of
 from adr_opt.fly.trajectory.axes import axes_of
 from adr_opt.plan.phases import COLOURS
 from adr_opt.plan.plan import Plan

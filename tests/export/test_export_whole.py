@@ -19,7 +19,7 @@ from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 
 import adr_opt
 from adr_opt.common.constants import DAY_S
-from adr_opt.export.tables import models, parquet, write_timetable
+from adr_opt.export.tables import arrays, write, write_timetable
 from adr_opt.export.tables.write import ONE_DEPARTURE, SAMPLED, whole_suffixes
 from adr_opt.mission.mission import Mission
 from solvers.planners.mip import files
@@ -182,7 +182,7 @@ def test_a_format_shows_up_by_being_installed(
     metadata.mkdir(parents=True)
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: other\nVersion: 1.0\n")
     (metadata / "entry_points.txt").write_text(
-        f"[{models.MODELS}]\nnl = other_format:write\ngms = other_format:nothing\n"
+        f"[{write.MODELS}]\nnl = other_format:write\ngms = other_format:nothing\n"
     )
     (installed / "other_format.py").write_text(
         "def write(mission, path):\n    path.write_text(' '.join(mission.names))\n"
@@ -357,4 +357,4 @@ def test_the_page_on_matrices_lists_every_format_and_the_limit() -> None:
     rows = set(re.findall(r"^\| `(\.[a-z]+)` \|", page, re.MULTILINE))
     assert rows == {*SAMPLED, *ONE_DEPARTURE, *whole_suffixes()}
     assert f"{files.MOST_MOVES:,}".replace(",", " ") in page
-    assert all(f"`{column}`" in page for column in parquet.COLUMNS)
+    assert all(f"`{column}`" in page for column in arrays.COLUMNS)

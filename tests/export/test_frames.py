@@ -21,7 +21,7 @@ from adr_opt.fly.trajectory import body_states, sample
 from adr_opt.fly.trajectory.axes import axes_of, rotation
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.frame import FRAMES, Frame
-from adr_opt.problem.instance import Instance, json_schema
+from adr_opt.problem.instance import Instance
 
 pytest.importorskip("astropy")
 
@@ -225,7 +225,7 @@ def test_a_frame_stands_in_the_file_only_where_it_is_set() -> None:
         assert named.sha256 != plain.sha256
         assert named != plain
     assert '"frame": {"name": "GCRF"}' in plain.replace(frame=GCRF).to_json()
-    assert "frame" in json_schema()["properties"]
+    assert "frame" in Instance.json_schema()["properties"]
 
 
 @pytest.mark.parametrize(
@@ -462,7 +462,7 @@ def test_planes_of_imported_objects_are_those_of_sgp4_in_gcrf() -> None:
 
 def test_labelled_matrices_name_the_frame(tiny: Instance) -> None:
     """The attributes of NetCDF and Parquet files have the frame, and those without one do not."""
-    from adr_opt.export.tables.attributes import attributes
+    from adr_opt.export.tables.arrays import attributes
 
     found = attributes(tiny)
     assert found["frame_name"] == "TEME"

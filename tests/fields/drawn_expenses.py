@@ -23,3 +23,11 @@ def drawn(seed: int, draw) -> Instance:
     if by_expense >= 0.75 or empties < 0.5:
         instance = limited(instance, seed)
     return instance
+
+
+def laden_campaign(seed: int, draw) -> Instance:
+    """A campaign, mostly with kits, and with tows where connections are not given."""
+    instance = (random_campaign, mixed_campaign)[seed % 2](seed, draw)
+    if seed % 3:
+        instance = carrying(instance, seed)
+    return towing(instance, seed) if seed % 4 == 0 and instance.given is None else instance

@@ -10,7 +10,7 @@ import numpy as np
 from rows import FloatArray
 
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
-from adr_opt.fly.flight.mean import MeanDynamics
+from adr_opt.fly.flight.mean_flight import MeanDynamics
 from adr_opt.problem.orbit import Orbit
 
 FAMILIES_DEG = (96.0, 71.0, 30.0, 120.0, 98.0, 2.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import adr_opt
@@ -34,6 +35,12 @@ def solved(instance: Instance) -> Plan:
     plan = adr_opt.solve(instance, "greedy-guarded").plan
     assert plan is not None
     return plan
+
+
+def write(instance: Instance, plan: Plan) -> None:
+    """Write both where the command line runs."""
+    Path("my.json").write_text(instance.to_json(), encoding="utf-8")
+    plan.save("plan.json")
 
 
 def unjudged(instance: Instance, plan: What) -> Admitted[What]:

@@ -43,6 +43,25 @@ def row(
     )
 
 
+def drawn_body(
+    rng: np.random.Generator,
+    inclination: float,
+    raan: float,
+    altitudes_m: tuple[float, float] = (320e3, 1950e3),
+    most_eccentricity: float = 0.02,
+) -> FloatArray:
+    """A body between two altitudes under J2, every other one eccentric."""
+    return row(
+        EARTH_RADIUS_M + rng.uniform(*altitudes_m),
+        inclination,
+        raan,
+        rng.uniform(0.0, 7.0),
+        oblateness=OBLATENESS_M2,
+        eccentricity=float(rng.choice([0.0, rng.uniform(0.0, most_eccentricity)])),
+        perigee=rng.uniform(-10.0, 10.0),
+    )
+
+
 def changed(
     orbit: FloatArray,
     *,

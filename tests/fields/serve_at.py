@@ -21,10 +21,10 @@ class At:
         from starlette.testclient import TestClient
 
         from adr_opt.ui.serve.app import application
-        from adr_opt.ui.serve.desk import Desk
+        from adr_opt.ui.serve.backend import Backend
 
         self.session = session_of(None, None, Folder(folder))
-        self.desk = Desk(self.session)
+        self.desk = Backend(self.session)
         app = application(self.desk, "token", 8123, threading.Event())
         self.client = TestClient(app, base_url="http://127.0.0.1:8123")
         self.client.cookies.set("adr-opt-8123", "token")

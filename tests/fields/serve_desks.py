@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
-from adr_opt.ui.serve import looks
+from adr_opt.ui.serve import planning
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.session import EditingSession
 from adr_opt.ui.serve.work import Work
@@ -38,7 +40,15 @@ def at_hand(folder: Path) -> list[str]:
     return sorted(name for name in files_under(folder) if Path(name).parts[0] not in own)
 
 
-def wait(desk: EditingSession) -> looks.Look:
+def wait(desk: EditingSession) -> planning.PlanningProgress:
     """The run once it is over."""
     assert desk._work.wait(60.0)
-    return desk.look()
+    return desk.progress()
+
+
+def until(condition: Callable[[], Any]) -> None:
+    """Wait until something holds."""
+    end = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)

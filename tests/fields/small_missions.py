@@ -10,7 +10,7 @@ import adr_opt
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.bodies import Station
 from adr_opt.problem.chasers import AtStation, Chaser, InOrbit
-from solvers.models.network import of_rows
+from solvers.models.solver_network import of_rows
 from solvers.networks.network import build
 
 INSTANCES = Path(__file__).parents[2] / "instances" / "tiny"

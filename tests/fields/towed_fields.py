@@ -2,6 +2,15 @@
 
 from __future__ import annotations
 
+from random_rules import (
+    carrying,
+    drifting_mission,
+    mixed_campaign,
+    random_campaign,
+    random_mission,
+    towing,
+)
+
 import adr_opt
 from adr_opt.problem.instance import Instance
 
@@ -20,3 +29,11 @@ def field(dynamics: str = "two-body", every: int = 2) -> Instance:
         chasers=(drawn.chaser.replace(tank=TANK),),
         mission=drawn.mission.replace(disposal_altitude_m=450e3),
     )
+
+
+def drawn(seed: int) -> Instance:
+    """One chaser or several that tow, by turns with kits, in all dynamics."""
+    draw = drifting_mission if seed % 2 else random_mission
+    make = (draw, lambda n: random_campaign(n, draw), lambda n: mixed_campaign(n, draw))[seed % 3]
+    made = make(seed // 2)
+    return towing(carrying(made, seed) if seed % 4 < 2 else made, seed)

@@ -11,9 +11,9 @@ import adr_opt
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.bodies import Station, Target
 from adr_opt.problem.chasers import AtStation, Chaser, Tank
-from adr_opt.problem.given import COLUMNS
+from adr_opt.problem.given import COLUMNS, of_rows
 from adr_opt.problem.instance import Instance
-from adr_opt.problem.settings import GivenFile, MissionSettings, TransferSettings
+from adr_opt.problem.settings import GivenFile, MissionSettings, Objective, TransferSettings
 
 HOUR_S = 3600.0
 NAMES = ("depot", "mill", "quay", "farm")
@@ -87,3 +87,24 @@ def solved() -> tuple[Instance, Plan]:
     result = adr_opt.solve(instance, "exact", time_limit=30.0)
     assert result.status == "optimal"
     return instance, result.plan
+
+
+def order_of_all(most: int | None = None) -> Instance:
+    """Three places that are all required, to be done as early as possible, and most of a chaser."""
+    names = ["depot", "a", "b", "c"]
+    pairs = [(i, j) for i in names for j in names[1:] if i != j]
+    rows = {
+        "origin": [i for i, _ in pairs],
+        "destination": [j for _, j in pairs],
+        "departure_s": np.zeros(len(pairs)),
+        "arrival_s": np.ones(len(pairs)),
+        "delta_v_m_s": np.zeros(len(pairs)),
+    }
+    start = AtStation(station="depot")
+    return roads(
+        name="order",
+        targets=[Target(name=name, required=True) for name in names[1:]],
+        chasers=[Chaser(name="van", start=start, tank=Tank(delta_v_m_s=1.0), max_targets=most)],
+        mission=MissionSettings(duration_s=100.0, service_s=0.0, refuel_revolutions=0.0),
+        objective=Objective(cost="duration"),
+    ).with_given(of_rows(rows, names))

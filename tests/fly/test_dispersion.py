@@ -16,8 +16,8 @@ from plans import moved_to, solved, unjudged
 
 import adr_opt
 from adr_opt.fly.dispersion import Dispersion, FlightErrors, Quantile, sample_flights, usable_tank
-from adr_opt.fly.dispersion.exact import fly_exactly
 from adr_opt.fly.dispersion.feedback import LegPart, fly, parts_of
+from adr_opt.fly.dispersion.flown_leg import fly_exactly
 from adr_opt.fly.flight.tanks import legs_by_tank, tanks_of
 from adr_opt.plan.refined_plan import RefinedPlan
 from adr_opt.problem.instance import Instance
@@ -266,22 +266,9 @@ def test_fly_tells_of_errors(cli: Cli) -> None:
     assert "200 flights with errors of 0.005 of a burn, 0.5°, 10 m and 0.01 m/s" in told.out
     assert "flown without linearisation, 10 flights differ" in told.out
     as_json = cli(
-        "fly",
-        "my.json",
-        "refined.json",
-        "--samples",
-        "200",
-        "--burn-pointing-error",
-        "1",
-        "--burn-magnitude-error",
-        "0.02",
-        "--navigation-position-error",
-        "100",
-        "--navigation-velocity-error",
-        "0.1",
-        "--corrections",
-        "1",
-        "--json",
+        "fly my.json refined.json --samples 200 --burn-pointing-error 1 "
+        "--burn-magnitude-error 0.02 --navigation-position-error 100 "
+        "--navigation-velocity-error 0.1 --corrections 1 --json"
     )
     found = json.loads(as_json.out)["errors"]
     errors = FlightErrors(0.02, 1.0, 100.0, 0.1)
@@ -357,28 +344,12 @@ def test_fly_writes_an_uncertainty_that_rehearse_reads(cli: Cli) -> None:
     solved(instance).save("plan.json")
     refined.save("refined.json")
     written = cli(
-        "fly",
-        "my.json",
-        "refined.json",
-        "--samples",
-        "50",
-        "--burn-magnitude-error",
-        "0.1",
-        "--out-uncertainty",
-        "learnt.json",
+        "fly my.json refined.json --samples 50 --burn-magnitude-error 0.1 --out-uncertainty "
+        "learnt.json"
     )
     assert "wrote learnt.json" in written.err
     learnt = Uncertainty.load("learnt.json")
     flights = sample_flights(instance, refined, 50, FlightErrors(burn_magnitude=0.1))
     assert learnt == Uncertainty(tanks=usable_tank(instance, refined, flights))
-    rehearsed = cli(
-        "rehearse",
-        "my.json",
-        "plan.json",
-        "--uncertainty",
-        "learnt.json",
-        "--samples",
-        "20",
-        "--json",
-    )
+    rehearsed = cli("rehearse my.json plan.json --uncertainty learnt.json --samples 20 --json")
     assert rehearsed.status == 0, rehearsed.err

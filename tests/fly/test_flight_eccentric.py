@@ -22,9 +22,8 @@ from adr_opt.problem.instance import Instance
 
 pytest.importorskip("boinor.bodies")
 
-from adr_opt.fly.flight.aimed import Aim
-from adr_opt.fly.flight.corrected import fly_eccentric
-from adr_opt.fly.flight.two_body import TwoBody
+from adr_opt.fly.flight.retargeted import Aim
+from adr_opt.fly.flight.two_body import TwoBody, fly_eccentric
 
 NEW_FIELDS = {
     "true_miss_m",

@@ -8,21 +8,13 @@ from pathlib import Path
 import pytest
 from conftest import Cli
 from drifting_plans import drifting_instance, drifting_plan, with_a_tight_tank
-from plans import unjudged, with_legs
+from plans import unjudged, with_legs, write
 
 import adr_opt
 from adr_opt.fly.flight import fly
-from adr_opt.plan.plan import Plan
-from adr_opt.problem.instance import Instance
 from adr_opt.ui.cli.fly import FLOWN
 
 pytest.importorskip("boinor.bodies")
-
-
-def files(instance: Instance, plan: Plan) -> None:
-    """Write both where the command line runs."""
-    Path("my.json").write_text(instance.to_json(), encoding="utf-8")
-    plan.save("plan.json")
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.003])
@@ -72,7 +64,7 @@ def test_the_burns_of_a_drift_empty_the_tank(cli: Cli) -> None:
     burned = short.planned_delta_v_m_s + drift.burns_delta_v_m_s
     assert tank.flown_delta_v_m_s == pytest.approx(burned)
     assert tank.holds
-    files(*with_a_tight_tank())
+    write(*with_a_tight_tank())
     said = cli("fly", "my.json", "plan.json")
     assert said.status == 1
     assert "is over by" in said.out
@@ -81,7 +73,7 @@ def test_the_burns_of_a_drift_empty_the_tank(cli: Cli) -> None:
 def test_fly_says_in_what_it_flew(cli: Cli) -> None:
     """Text and JSON name the dynamics and tell of every leg that drifts; the note is renewed."""
     instance, plan = drifting_instance(0.003), drifting_plan(0.003)
-    files(instance, plan)
+    write(instance, plan)
     said = cli("fly", "my.json", "plan.json", "--out", "flown.json")
     assert said.status == 0
     text = " ".join(said.out.split())
@@ -117,7 +109,7 @@ def test_two_body_flights_say_so_too(cli: Cli) -> None:
 
 def test_export_tells_dynamics_and_states(cli: Cli) -> None:
     """``export --json`` names the dynamics and counts states: five times fewer by default."""
-    files(drifting_instance(), drifting_plan())
+    write(drifting_instance(), drifting_plan())
     counts = []
     for options in ((), ("--step", "60")):
         told = json.loads(

@@ -24,10 +24,8 @@ import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2
 from adr_opt.fly.flight.refined import planned_legs
 from adr_opt.fly.forces import ForcedFlight, Forces, fly_forced
-from adr_opt.fly.forces.corrected import Stretch, correction_m_s, last_lap
-from adr_opt.fly.forces.flown import fly_leg, plan_field
-from adr_opt.fly.forces.library import Array, Moving, World
-from adr_opt.fly.forces.push import direction
+from adr_opt.fly.forces.flown import Stretch, correction_m_s, fly_leg, last_lap, plan_field
+from adr_opt.fly.forces.library import Array, Moving, World, direction
 from adr_opt.fly.trajectory.axes import rotation
 from adr_opt.plan.refined_plan import RefinedPlan
 from adr_opt.problem.frame import Frame

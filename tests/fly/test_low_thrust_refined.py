@@ -19,9 +19,9 @@ from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.export.flights.refined_oem import write_refined
 from adr_opt.fly.flight import fly_refined
+from adr_opt.fly.refine.bodies import state_of
 from adr_opt.fly.refine.lessons import Lessons
-from adr_opt.fly.refine.states import state_of
-from adr_opt.fly.refine.thrust_states import thrust_states
+from adr_opt.fly.refine.thrust_record import thrust_states
 from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedPlan

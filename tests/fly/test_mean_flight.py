@@ -15,8 +15,8 @@ from towed_fields import field
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, J2, MU_M3_S2, OBLATENESS_M2
 from adr_opt.fly.flight import fly
-from adr_opt.fly.flight.aimed import true_state
 from adr_opt.fly.flight.mean_flight import fly_mean
+from adr_opt.fly.flight.retargeted import true_state
 from adr_opt.fly.refine import refine
 from adr_opt.fly.trajectory import body_states
 from adr_opt.kernels.orbits import mean_motion

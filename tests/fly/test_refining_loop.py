@@ -135,17 +135,7 @@ def test_a_mission_that_cannot_hold_ends_with_a_reason(cli: Cli) -> None:
     tight = alone.with_limits(delta_v_m_s=leg.delta_v_m_s + 0.01 * over)
     Path("my.json").write_text(tight.to_json(), encoding="utf-8")
     told = cli(
-        "solve",
-        "my.json",
-        "--method",
-        "exact",
-        "--refine",
-        "--burns",
-        "planned",
-        "--refined-out",
-        "r.json",
-        "--out",
-        "p.json",
+        "solve my.json --method exact --refine --burns planned --refined-out r.json --out p.json"
     )
     assert told.status == 1
     assert "found no plan" in told.err

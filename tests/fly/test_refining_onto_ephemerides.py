@@ -27,14 +27,12 @@ from adr_opt.export.flights.write import FlightFile
 from adr_opt.fly.dispersion import sample_flights
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.flight.tanks import tanks_of
-from adr_opt.fly.refine.bodies import moved
+from adr_opt.fly.refine.bodies import Whereabouts, moved
 from adr_opt.fly.refine.ephemeris import tracks
-from adr_opt.fly.refine.holding import beginning
-from adr_opt.fly.refine.holding_estimate import following_m_s, holding_m_s
 from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.one_leg import refine_leg
-from adr_opt.fly.refine.reported import ReportedBodies
-from adr_opt.fly.refine.whereabouts import Whereabouts
+from adr_opt.fly.refine.reported import ReportedBodies, following_m_s, holding_m_s
+from adr_opt.fly.refine.troubles import beginning
 from adr_opt.judge.refined import check_refined
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import Plan
@@ -50,7 +48,7 @@ from adr_opt.sources.ephemerides import ephemerides_of
 from adr_opt.sources.ephemerides.imported import with_ephemerides
 from adr_opt.sources.ephemerides.oem import read_oem
 from adr_opt.sources.ephemerides.of_instance import of_contents
-from adr_opt.ui.plot.costs import costs_chart
+from adr_opt.ui.plot.budget import costs_chart
 from adr_opt.ui.report.flights import complaints, section
 from adr_opt.ui.report.sections import costs_note
 
@@ -252,16 +250,7 @@ def test_the_command_line_refines_onto_ephemerides(cli: Cli, files: Mission) -> 
     flown = cli("fly", "my.json", "again.json")
     assert flown.status == 0, flown.out
     assert "onto ephemerides" in flown.out
-    looped = cli(
-        "solve",
-        "my.json",
-        "--refine",
-        "--ephemerides",
-        "--method",
-        QUICK,
-        "--refined-out",
-        "looped.json",
-    )
+    looped = cli(f"solve my.json --refine --ephemerides --method {QUICK} --refined-out looped.json")
     assert looped.status == 0, looped.err
     assert "of holding beside ephemerides" in looped.out
     assert cli("fly", "my.json", "looped.json").status == 0
@@ -381,9 +370,7 @@ def test_low_thrust_is_one_sentence(cli: Cli) -> None:
     """Such missions are refused with ephemerides before anything is planned."""
     Path("all.json").write_text(as_json(records(3)), encoding="utf-8")
     made = cli(
-        "import",
-        "all.json",
-        "--epoch",
+        "import all.json --epoch",
         EPOCH.isoformat(),
         "--duration-days",
         "2",

@@ -17,14 +17,11 @@ from adr_opt.common.errors import InputError
 from adr_opt.export.flights.refined_oem import write_refined
 from adr_opt.export.flights.write import FlightFile
 from adr_opt.fly.flight import fly_refined
-from adr_opt.fly.refine.bodies import TrueBodies
+from adr_opt.fly.refine.bodies import TrueBodies, near_circle, state_of
 from adr_opt.fly.refine.ephemeris import tracks
-from adr_opt.fly.refine.lessons import Lessons
-from adr_opt.fly.refine.near_circle import near_circle
-from adr_opt.fly.refine.releases import strayed
+from adr_opt.fly.refine.lessons import Lessons, spirals_excess_m_s
 from adr_opt.fly.refine.spiral import SpiralTow, spirals_by_leg, towed_by_spiral
-from adr_opt.fly.refine.spiral_excess import spirals_excess_m_s
-from adr_opt.fly.refine.states import state_of
+from adr_opt.fly.refine.troubles import strayed
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.mission.problem import problem_of

@@ -17,10 +17,10 @@ import adr_opt
 from adr_opt.common.constants import DAY_S, MU_M3_S2
 from adr_opt.fly.dispersion import Dispersion, FlightErrors, sample_flights
 from adr_opt.fly.dispersion.displaced import DisplacedBodies
-from adr_opt.fly.dispersion.exact import fly_exactly, moved
 from adr_opt.fly.dispersion.feedback import BodiesOff, UncertainEnds, fly, part
+from adr_opt.fly.dispersion.flown_leg import fly_exactly, moved
 from adr_opt.fly.refine.bodies import moved as coasted
-from adr_opt.fly.refine.states import state_of
+from adr_opt.fly.refine.bodies import state_of
 from adr_opt.kernels.orbits import equinoctial
 from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.kernels.orbits.short_periods import mean_elements

@@ -17,7 +17,7 @@ from adr_opt.fly.dispersion import sample_flights
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine import refine
 from adr_opt.fly.refine.ephemeris import tracks
-from adr_opt.fly.refine.holding import beginning
+from adr_opt.fly.refine.troubles import beginning
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Plan

@@ -113,7 +113,7 @@ def test_legs_meet_their_targets(eccentricity: float) -> None:
 
 def test_states_are_those_of_the_flight() -> None:
     """Every tenth sample is where the other implementation of the mean dynamics gets, to 1 cm."""
-    mean = pytest.importorskip("adr_opt.fly.flight.mean")
+    mean = pytest.importorskip("adr_opt.fly.flight.mean_flight")
     pytest.importorskip("boinor")
     instance, motion = drifting_instance(), mean.MeanDynamics()
     circles = dict(zip(instance.names, instance.body_orbits, strict=True))

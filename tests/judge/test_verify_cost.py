@@ -12,16 +12,8 @@ import numpy as np
 import pytest
 from brute_force import brute_force, brute_force_campaign
 from conftest import Cli
-from random_rules import (
-    carrying,
-    drifting_mission,
-    given_field,
-    mixed_campaign,
-    random_campaign,
-    random_mission,
-    towing,
-    towing_mission,
-)
+from drawn_expenses import laden_campaign
+from random_rules import carrying, drifting_mission, given_field, random_mission, towing_mission
 from seeds import over_kinds
 
 import adr_opt
@@ -91,12 +83,7 @@ def test_a_verified_cost_is_that_of_enumeration(draw, seeds):
 
 def campaign(seed: int, draw: Callable[[int], Instance]) -> Instance:
     """A campaign with kits, tows, and a price of time."""
-    instance = (random_campaign, mixed_campaign)[seed % 2](seed, draw)
-    if seed % 3:
-        instance = carrying(instance, seed)
-    if seed % 4 == 0 and instance.given is None:
-        instance = towing(instance, seed)
-    return priced(instance, seed)
+    return priced(laden_campaign(seed, draw), seed)
 
 
 @over_kinds(
@@ -256,15 +243,7 @@ def test_the_command_states_the_verified_cost(cli: Cli, tmp_path):
     adr_opt.generate("tiny", 0).save(instance)
     plan, certificate = tmp_path / "plan.json", tmp_path / "proof.json"
     cli(
-        "solve",
-        instance,
-        "--method",
-        "exact",
-        "--option",
-        "cost=true",
-        "--out",
-        plan,
-        "--certificate",
+        f"solve {instance} --method exact --option cost=true --out {plan} --certificate",
         certificate,
     )
     said = cli("verify", instance, plan, certificate)

@@ -39,7 +39,6 @@ from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.mission import Mission
 from adr_opt.plan.certificate import Certificate
 from adr_opt.problem.instance import Instance
-from solvers.progress import proof_size
 
 
 def most_of(instance: Instance, *asked: Any) -> Fraction | None:
@@ -108,12 +107,6 @@ def test_at_any_multipliers_and_prices_the_best_plan_is_worth_no_more(draw, seed
     assert asked > len(seeds) / 2
     if draw in (random_mission, drifting_mission, given_mission):
         assert by_price > len(seeds) / 2
-
-
-@pytest.fixture
-def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No network of all connections fits into memory."""
-    monkeypatch.setattr(proof_size, "available_bytes", lambda: 0.0)
 
 
 @pytest.mark.usefixtures("no_network")

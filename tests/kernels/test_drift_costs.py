@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 from random_rules import weeks_mission
-from rows import HIGHEST_M, LOWEST_M, FloatArray, oblate_rule, row
+from rows import HIGHEST_M, LOWEST_M, FloatArray, drawn_body, oblate_rule, row
 
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.judge.check.drift import drift_cost
-from adr_opt.kernels.legs import drift, drift_arcs, drift_free, drift_grid, drift_laps, drift_pair
+from adr_opt.kernels.legs import drift, drift_arcs, drift_free, drift_grid, drift_pair
+from adr_opt.kernels.legs.departure_events import Times
 from adr_opt.kernels.legs.short_transfers import Shorts
-from adr_opt.kernels.legs.times import Times
 from adr_opt.kernels.orbits import columns, ephemeris
 
 CASES = 1500
@@ -26,27 +26,14 @@ DEAREST_M_S = 3000.0
 """Dearer legs are not compared: searches may end in another valley of theirs."""
 
 
-def body(rng: np.random.Generator, inclination: float, raan: float) -> FloatArray:
-    """A body between the altitude limits, every other one eccentric."""
-    return row(
-        EARTH_RADIUS_M + rng.uniform(320e3, 1950e3),
-        inclination,
-        raan,
-        rng.uniform(0.0, 7.0),
-        oblateness=OBLATENESS_M2,
-        eccentricity=float(rng.choice([0.0, rng.uniform(0.0, 0.02)])),
-        perigee=rng.uniform(-10.0, 10.0),
-    )
-
-
 def drawn(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
     """Two bodies: of any inclination, equatorial, polar, retrograde, near each other or not."""
     inclination = float(rng.choice([rng.uniform(0.1, 3.0), 0.5 * math.pi, 1.24, 1.5, 1.71]))
     apart = float(rng.choice([0.0, 1e-9, rng.normal() * 0.002, rng.normal() * 0.01]))
     raan = rng.uniform(-10.0, 10.0)
     return (
-        body(rng, inclination, raan),
-        body(rng, inclination + apart, raan + rng.normal() * float(rng.choice([0.01, 0.3]))),
+        drawn_body(rng, inclination, raan),
+        drawn_body(rng, inclination + apart, raan + rng.normal() * float(rng.choice([0.01, 0.3]))),
     )
 
 
@@ -157,7 +144,7 @@ def test_free_phase_costs_no_more_than_whole_laps():
         pair = drift_pair.prepare(first, second, RULE, 0.0)
         leg = drift_pair.task(pair, departure, departure + span)
         free = drift_free.free_phase(pair, leg, *drift_free.first_guess(pair, leg))
-        found = drift_laps.split(pair, leg, free).delta_v
+        found = drift.split(pair, leg, free).delta_v
         if found < DEAREST_M_S:
             assert free.least - drift_grid.SLACK_M_S <= found, (first, second, departure, span)
 

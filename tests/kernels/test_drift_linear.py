@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from rows import HIGHEST_M, LOWEST_M, FloatArray, row
+from rows import HIGHEST_M, LOWEST_M, FloatArray, drawn_body, row
 
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
 from adr_opt.kernels.legs import drift_linear as drift
@@ -21,20 +21,8 @@ def drawn(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
     apart = float(rng.choice([0.0, 1e-9, rng.normal() * 0.01, rng.normal() * 0.3]))
     other = min(math.pi, max(0.0, inclination + apart))
     return (
-        body(rng, inclination, rng.uniform(-10.0, 10.0)),
-        body(rng, other, rng.uniform(-10.0, 10.0)),
-    )
-
-
-def body(rng: np.random.Generator, inclination: float, raan: float) -> FloatArray:
-    return row(
-        EARTH_RADIUS_M + rng.uniform(320e3, 1950e3),
-        inclination,
-        raan,
-        rng.uniform(0.0, 7.0),
-        oblateness=OBLATENESS_M2,
-        eccentricity=float(rng.choice([0.0, rng.uniform(0.0, 0.02)])),
-        perigee=rng.uniform(-10.0, 10.0),
+        drawn_body(rng, inclination, rng.uniform(-10.0, 10.0)),
+        drawn_body(rng, other, rng.uniform(-10.0, 10.0)),
     )
 
 

@@ -13,7 +13,7 @@ from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.judge.check.eccentric import StatedSequence, matching_cost
 from adr_opt.kernels.legs import co_elliptic, precession
 from adr_opt.kernels.orbits import columns, eccentricity, ephemeris
-from adr_opt.kernels.orbits.matchings import matchings
+from adr_opt.kernels.orbits.eccentricity import matchings
 from adr_opt.problem.orbit import Orbit
 
 

@@ -22,7 +22,7 @@ from adr_opt.kernels.orbits.encounters import (
     shell_factor,
     tilt_factor,
 )
-from adr_opt.sources.worth.speeds import mean_speeds
+from adr_opt.sources.worth.pairs import mean_speeds
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from rows import FloatArray, oblate_rule, row
+from rows import FloatArray, drawn_body, oblate_rule, row
 from seeds import over_kinds
 
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2, STANDARD_GRAVITY_M_S2
@@ -32,18 +32,8 @@ DEARER = 1.1
 DEAREST_M_S = 800.0
 """Dearer legs, which thrust nearly all the time, are not compared: errors grow manifold there."""
 
-
-def body(rng: np.random.Generator, inclination: float, raan: float) -> FloatArray:
-    """A body 500 to 1200 km high, every other one eccentric."""
-    return row(
-        EARTH_RADIUS_M + rng.uniform(500e3, 1200e3),
-        inclination,
-        raan,
-        rng.uniform(0.0, 7.0),
-        oblateness=OBLATENESS_M2,
-        eccentricity=float(rng.choice([0.0, rng.uniform(0.0, 0.01)])),
-        perigee=rng.uniform(-10.0, 10.0),
-    )
+LOW = (500e3, 1200e3), 0.01
+"""Altitudes [m], and the largest eccentricity, of drawn bodies."""
 
 
 def drawn(rng: np.random.Generator) -> tuple[FloatArray, FloatArray, float, float]:
@@ -52,8 +42,8 @@ def drawn(rng: np.random.Generator) -> tuple[FloatArray, FloatArray, float, floa
     raan = rng.uniform(-10.0, 10.0)
     span = 10 ** rng.uniform(0.5, 2.5) * DAY_S
     return (
-        body(rng, inclination, raan),
-        body(rng, inclination + 0.01 * rng.normal(), raan + 0.05 * rng.normal()),
+        drawn_body(rng, inclination, raan, *LOW),
+        drawn_body(rng, inclination + 0.01 * rng.normal(), raan + 0.05 * rng.normal(), *LOW),
         rng.uniform(0.0, 700.0) * DAY_S,
         span,
     )

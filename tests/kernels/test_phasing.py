@@ -10,7 +10,7 @@ from rows import row
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
-from adr_opt.kernels.legs import co_elliptic, curves, phasing
+from adr_opt.kernels.legs import co_elliptic, phasing
 
 
 def random_pairs(highest_m: float, count: int):
@@ -73,5 +73,5 @@ def test_wide_limits_are_not_interpolated():
     usual, wide = (
         phasing.curves_of(*next(random_pairs(highest_m, 1))[:2]) for highest_m in (2000e3, 9000e3)
     )
-    assert usual.time.shape == (10, curves.NODES)
-    assert wide.time.shape == (0, curves.NODES)
+    assert usual.time.shape == (10, phasing.NODES)
+    assert wide.time.shape == (0, phasing.NODES)

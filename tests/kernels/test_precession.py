@@ -13,7 +13,7 @@ from rows import FloatArray, oblate_rule, rule
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, OBLATENESS_M2, SLACK_S
-from adr_opt.fly.flight.mean import MeanDynamics
+from adr_opt.fly.flight.mean_flight import MeanDynamics
 from adr_opt.kernels.legs import burns as burn_kernels
 from adr_opt.kernels.legs import (
     co_elliptic,
@@ -22,8 +22,8 @@ from adr_opt.kernels.legs import (
     drifting_connections,
     precession,
 )
+from adr_opt.kernels.legs.departure_events import Times
 from adr_opt.kernels.legs.found import ConnectionArrays
-from adr_opt.kernels.legs.times import Times
 from adr_opt.kernels.orbits import columns
 from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.problem.settings import TransferSettings

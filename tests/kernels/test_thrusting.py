@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.fly.refine.near_circle import near_circle
+from adr_opt.fly.refine.bodies import near_circle
 from adr_opt.judge.refined.thrust import is_dark
 from adr_opt.kernels.orbits import coast, mean_thrusting, primer, sunlight, thrusting
 from adr_opt.kernels.orbits.gravity import FIELDS

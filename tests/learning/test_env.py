@@ -416,25 +416,19 @@ def test_the_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.Monkey
     exec(second.replace("256, VARIED", "4, SMALL").replace("slots=64", "slots=2"), names | {})
 
 
+def trained(*more: object) -> str:
+    """What the script that trains says of a small family, with more options."""
+    root = Path(__file__).parents[2]
+    line = f"{root}/examples/training/maskable_ppo.py --family tiny --pool 2 --steps 100 --fields 2"
+    command = [sys.executable, *line.split(), *map(str, more)]
+    return subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
+
+
 @pytest.mark.slow
 def test_the_script_that_trains_runs(tmp_path: Path) -> None:
     """examples/training/maskable_ppo.py trains on a small family, and writes a plan that passes."""
-    root, out = Path(__file__).parents[2], tmp_path / "plan.json"
-    command = [
-        sys.executable,
-        str(root / "examples/training/maskable_ppo.py"),
-        "--family",
-        "tiny",
-        "--pool",
-        "2",
-        "--steps",
-        "100",
-        "--fields",
-        "2",
-        "--out",
-        str(out),
-    ]
-    said = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
+    out = tmp_path / "plan.json"
+    said = trained("--out", out)
     assert "steps trained in" in said
     assert said.count("mean of 2 fields") == 3
     assert adr_opt.check(adr_opt.generate("tiny", 0), adr_opt.load_plan(out)) == ()
@@ -443,23 +437,7 @@ def test_the_script_that_trains_runs(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_script_trains_in_uncertain_worlds() -> None:
     """With ``--worlds`` the script trains in them, and three policies play the same worlds."""
-    root = Path(__file__).parents[2]
-    command = [
-        sys.executable,
-        str(root / "examples/training/maskable_ppo.py"),
-        "--family",
-        "tiny",
-        "--pool",
-        "2",
-        "--steps",
-        "100",
-        "--fields",
-        "2",
-        "--worlds",
-        "3",
-    ]
-    said = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
-    assert said.count("mean of 6 worlds") == 3
+    assert trained("--worlds", 3).count("mean of 6 worlds") == 3
 
 
 def test_fields_drawn_ahead_are_worked_out_once_and_shared(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from brute_force import revolution_s
+from plain_world import revolution_s
 from random_rules import drifting_field
 
 from adr_opt import Instance, Mission, generate

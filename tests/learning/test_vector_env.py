@@ -7,11 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import Cli, refused
 from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
 from stable_baselines3.common.vec_env import VecMonitor
 
+import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.learning.environment import OBSERVATIONS, Fields, Limits, MissionEnv, MissionVecEnv
+from adr_opt.learning.episodes import FieldPool, pool
 
 HOUR_S = 3600.0
 SMALL = Fields("tiny", targets=(3, 9), zones=(0, 3), delta_v_m_s=(300.0, 1500.0))
@@ -312,3 +315,16 @@ def test_wrong_input_is_refused_in_one_sentence(sentence: str) -> None:
     with pytest.raises(InputError, match=sentence) as caught:
         WRONG[sentence]()
     assert "\n" not in str(caught.value)
+
+
+def test_a_pool_beyond_the_memory_is_refused() -> None:
+    """Thousands of targets with all their connections are refused before anything is taken."""
+    with pytest.raises(adr_opt.InputError, match=r"500001 bodies with 206 departures each take"):
+        FieldPool(1, 500_001, 206)
+
+
+def test_ppo_says_so(cli: Cli, tiny_file: object, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The planner ends with a sentence and status 2 where the memory does not suffice."""
+    pytest.importorskip("onnxruntime")
+    monkeypatch.setattr(pool, "available_bytes", lambda: 1000.0)
+    refused(cli("solve", tiny_file, "--method", "ppo"), "8 bodies", "use another method")

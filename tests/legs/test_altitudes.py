@@ -14,8 +14,8 @@ from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.judge.check.altitude import Heights
 from adr_opt.judge.check.tow import released_between, towed_bodies
 from adr_opt.judge.check.violation import MOST_RELEASE_OFF_M
-from adr_opt.legs.altitude_limits import SPARE_S, AltitudeLimits, altitude_limits
 from adr_opt.legs.connection_finder import ConnectionFinder
+from adr_opt.legs.families.ends import SPARE_S, AltitudeLimits, altitude_limits
 from adr_opt.plan.tows import removals_of
 from adr_opt.problem.instance import Instance
 

@@ -13,7 +13,7 @@ from adr_opt.analysis import replan
 from adr_opt.common.constants import DAY_S, MU_M3_S2
 from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly_mean
-from adr_opt.fly.flight.aimed import true_state
+from adr_opt.fly.flight.retargeted import true_state
 from adr_opt.fly.trajectory.bodies import body_states
 from adr_opt.judge.check.leg import Physics
 from adr_opt.judge.verify.sequences import ways_after

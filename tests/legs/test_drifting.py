@@ -14,7 +14,7 @@ from rows import FloatArray, oblate_rule
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
 from adr_opt.common.errors import InputError
-from adr_opt.fly.flight.mean import MeanDynamics
+from adr_opt.fly.flight.mean_flight import MeanDynamics
 from adr_opt.fly.trajectory.kepler import drift as coast
 from adr_opt.kernels.legs import drift, drift_pair
 from adr_opt.kernels.orbits import columns, ephemeris

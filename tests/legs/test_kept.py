@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from adr_opt.kernels.legs.found import ConnectionArrays
-from adr_opt.legs.connection_cache import ConnectionCache
+from adr_opt.legs.connections import ConnectionCache
 
 EACH_BYTES = 30 * 10
 

@@ -7,15 +7,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from adr_opt.analysis.rehearse.ground import FOLLOWS as REHEARSED
 from brute_force import brute_force, brute_force_campaign
 from random_rules import DRAWS
 
 import adr_opt
 from adr_opt.analysis import price, replan
 from adr_opt.analysis.priced import FOLLOWS as PRICED
+from adr_opt.analysis.rehearse.mission_facts import FOLLOWS as REHEARSED
 from adr_opt.analysis.rehearse.sampling import rehearse
-from adr_opt.analysis.replan import FOLLOWS as REPLANNED
+from adr_opt.analysis.replan.replanning import FOLLOWS as REPLANNED
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
@@ -26,7 +26,7 @@ from adr_opt.problem.support import binding, follows_all
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.run.methods import BOUNDS, PLANNERS, names, spec
 
-LONG = {"ortools", "cpsat", "mip"}
+LONG = {"ortools", "mip"}
 METHODS = [
     pytest.param(group, name, marks=[pytest.mark.slow] if name in LONG else [])
     for group in (PLANNERS, BOUNDS)

@@ -9,20 +9,17 @@ from contextlib import closing
 
 import numpy as np
 import pytest
-from against_enumeration import compared_cost
+from against_enumeration import held_costs
 from brute_force import brute_force
 from conftest import Cli, refused
+from drawn_expenses import laden_campaign
 from hand_made import hand_made
 from random_rules import (
-    carrying,
     drifting_mission,
     given_field,
     given_mission,
     limited,
-    mixed_campaign,
-    random_campaign,
     random_mission,
-    towing,
     towing_mission,
 )
 from seeds import over_kinds
@@ -83,20 +80,13 @@ def test_the_least_cost_of_a_chaser_is_that_of_enumeration(draw, seeds):
 )
 def test_the_least_cost_of_several_chasers_is_that_of_enumeration(draw, seeds):
     """No bound on the cost lies above the least, and what is proven to be the least is."""
-    closed = []
+    campaigns = []
     for seed in seeds:
-        instance = (random_campaign, mixed_campaign)[seed % 2](seed, draw)
-        if seed % 3:
-            instance = carrying(instance, seed)
-        if seed % 4 == 0 and instance.given is None:
-            instance = towing(instance, seed)
+        instance = laden_campaign(seed, draw)
         if seed % 5 == 0:
             instance = limited(instance, seed)
-        campaign = Problem(priced(instance, seed))
-        result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)
-        closed.append(compared_cost(campaign, result, seed))
-    asked = [each for each in closed if each is not None]
-    assert sum(asked) >= 0.8 * len(asked) > 0.2 * len(seeds)
+        campaigns.append(Problem(priced(instance, seed)))
+    held_costs(campaigns)
 
 
 @pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
@@ -324,15 +314,7 @@ def test_the_verb_writes_the_frontier(cli: Cli, tmp_path) -> None:
     """CSV, page and JSON have the same last days; what has no frontier is refused in a sentence."""
     hand_made().save("instance.json")
     outcome = cli(
-        "tradeoff",
-        "instance.json",
-        "--frontier",
-        "front.csv",
-        "--page",
-        "front.html",
-        "--time-limit",
-        10,
-        "--json",
+        "tradeoff instance.json --frontier front.csv --page front.html --time-limit 10 --json"
     )
     assert outcome.status == 0, outcome.err
     stated = json.loads(outcome.out)["frontier"]

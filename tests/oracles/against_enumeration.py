@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from typing import Any
 
 import pytest
 from brute_force import brute_force_campaign
@@ -10,9 +12,10 @@ from brute_force import brute_force_campaign
 import adr_opt
 from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
+from adr_opt.problem.instance import Instance
 
 
-def compared(campaign: Problem, result: Result, case: int) -> bool:
+def compared(campaign: Problem, result: Result, case: object) -> bool:
     """Hold a result against all plans of its campaign, with its margin; whether there is a plan.
 
     What is planned passes `check`, enumeration knows nothing above what is proven, and what is
@@ -34,7 +37,7 @@ def compared(campaign: Problem, result: Result, case: int) -> bool:
     return True
 
 
-def compared_cost(campaign: Problem, result: Result, case: int) -> bool | None:
+def compared_cost(campaign: Problem, result: Result, case: object) -> bool | None:
     """Hold what is proven of the least cost against all plans; whether it is that of the plan.
 
     None where nothing was asked: the prizes are not proven.
@@ -52,3 +55,35 @@ def compared_cost(campaign: Problem, result: Result, case: int) -> bool | None:
         return False
     assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), case
     return True
+
+
+Held = list[tuple[Instance, Result]]
+
+
+def held(campaigns: Iterable[Problem], method: str, **options: Any) -> Held:
+    """The plans of campaigns after little work, each :func:`compared` with enumeration."""
+    found = []
+    for campaign in campaigns:
+        limits = {"time_limit": 30.0, "iterations": 8} | options
+        result = adr_opt.solve(campaign, method, **limits)
+        if compared(campaign, result, campaign.instance.name):
+            found.append((campaign.instance, result))
+    return found
+
+
+def optimal(found: Held) -> int:
+    """How many are proven."""
+    return sum(result.status == "optimal" for _, result in found)
+
+
+def held_costs(campaigns: Iterable[Problem]) -> Held:
+    """The plans whose least cost is proven, which are most of those whose prizes are."""
+    closed, asked, all_of_them = [], 0, list(campaigns)
+    for campaign in all_of_them:
+        result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)
+        is_least = compared_cost(campaign, result, campaign.instance.name)
+        asked += is_least is not None
+        if is_least:
+            closed.append((campaign.instance, result))
+    assert len(closed) >= 0.8 * asked > 0.2 * len(all_of_them)
+    return closed

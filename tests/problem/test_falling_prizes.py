@@ -24,16 +24,6 @@ def test_a_prize_is_that_of_the_first_time_that_the_service_keeps():
     assert found == [5.0, 5.0, 3.0, 3.0, 1.0]
 
 
-def test_an_instance_without_them_has_the_same_file():
-    """What is not set stands neither in the file nor in its sha256."""
-    instance = adr_opt.generate("tiny", 0)
-    assert "prize_until" not in instance.to_json()
-    falls = instance.targets[0].replace(prize_until=((1000.0, 2.0),))
-    other = instance.replace(targets=(falls, *instance.targets[1:]))
-    assert other.sha256 != instance.sha256
-    assert adr_opt.Instance.from_json(other.to_json()) == other
-
-
 @pytest.mark.parametrize(
     ("levels", "prize", "said"),
     [

@@ -28,7 +28,7 @@ from toy_roads import (
 )
 
 import adr_opt
-from adr_opt.kernels.legs.given_connections import sifted
+from adr_opt.kernels.legs.given import sifted
 from adr_opt.problem.given import COLUMNS, among, of_rows
 from adr_opt.problem.instance import instance_of
 from adr_opt.problem.settings import KeepOutZone, MissionSettings, TransferSettings

@@ -13,7 +13,7 @@ from timed_fields import SPAN_S, drawn_function, timed_mission
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.kernels.legs.given_functions import legs_of
+from adr_opt.kernels.legs.given import legs_of
 from adr_opt.problem.given import among, of_rows, only
 from adr_opt.problem.given_functions import of_breakpoints
 
@@ -172,7 +172,7 @@ def test_a_pair_has_a_list_or_a_function() -> None:
 def test_other_methods_and_listings_are_refused_in_a_sentence(cli: Cli, tmp_path: Path) -> None:
     """What needs lists of connections says so, and names the methods that do not."""
     saved()
-    for method in ("greedy", "beam", "cpsat", "mip", "local-search", "mcts", "ortools"):
+    for method in ("greedy", "beam", "mip", "local-search", "mcts", "ortools"):
         said = "does not follow functions of time", "use one of: auto, exact"
         refused(cli("solve", "my.json", "--method", method), *said)
     refused(cli("bound", "my.json", "--method", "lagrangian"), "functions of time")

@@ -1,26 +1,22 @@
-"""Null means that nothing is stated: it is never read as a number by the way."""
+"""Null means that nothing is stated, and what is worked out of a copy is its own."""
 
 from __future__ import annotations
 
 import ast
+import pickle
 import typing
 from collections.abc import Iterator
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
 from pydantic import BaseModel
+from toy_roads import order_of_all
 
 import adr_opt
 import solvers
 from adr_opt.mission.problem import Problem
-from adr_opt.problem.bodies import Station, Target
-from adr_opt.problem.chasers import AtStation, Chaser, Tank
-from adr_opt.problem.given import of_rows
-from adr_opt.problem.instance import Instance
 from adr_opt.problem.instance_file import InstanceFile
-from adr_opt.problem.settings import GivenFile, MissionSettings, Objective, TransferSettings
 
 NULL_IS_ZERO = {"decay_m_per_day"}
 """Fields that mean the same by null and by 0."""
@@ -80,26 +76,24 @@ def test_null_is_not_read_as_a_number() -> None:
 @pytest.mark.parametrize(("most", "asks"), [(None, True), (3, True), (2, False), (0, False)])
 def test_a_limit_of_no_targets_is_a_limit(most, asks) -> None:
     """A plan is an order of all targets unless the chaser may not service all, or none."""
-    names = ["depot", "a", "b", "c"]
-    pairs = [(i, j) for i in names for j in names[1:] if i != j]
-    rows = {
-        "origin": [i for i, _ in pairs],
-        "destination": [j for _, j in pairs],
-        "departure_s": np.zeros(len(pairs)),
-        "arrival_s": np.ones(len(pairs)),
-        "delta_v_m_s": np.zeros(len(pairs)),
-    }
-    chaser = Chaser(
-        name="van", start=AtStation(station="depot"), tank=Tank(delta_v_m_s=1.0), max_targets=most
-    )
-    instance = Instance(
-        name="order",
-        epoch=datetime(2026, 1, 1, tzinfo=UTC),
-        stations=(Station(name="depot"),),
-        targets=tuple(Target(name=name, required=True) for name in names[1:]),
-        chasers=(chaser,),
-        mission=MissionSettings(duration_s=100.0, service_s=0.0, refuel_revolutions=0.0),
-        objective=Objective(cost="duration"),
-        transfer=TransferSettings(given=GivenFile(file="rows.parquet")),
-    ).with_given(of_rows(rows, names))
-    assert Problem(instance).asks_for_least_end is asks
+    assert Problem(order_of_all(most)).asks_for_least_end is asks
+
+
+def test_rows_of_orbits_are_those_of_the_copy() -> None:
+    """A changed or unchecked copy has rows of its own orbits, and nobody changes those kept."""
+    drawn = adr_opt.generate("tiny", 3, targets=5)
+    rows = drawn.orbits()
+    rows[:] = 0.0
+    fresh = adr_opt.generate("tiny", 3, targets=5)
+    assert np.array_equal(drawn.orbits(), fresh.orbits(), equal_nan=True)
+    turned = drawn.targets[::-1]
+    replaced, copied = drawn.replace(targets=turned), drawn.model_copy(update={"targets": turned})
+    first = drawn.first_target
+    for other in (replaced, copied):
+        assert np.array_equal(other.orbits()[first:], fresh.orbits()[first:][::-1])
+    assert np.array_equal(drawn.orbits(), fresh.orbits(), equal_nan=True)
+    drifting = drawn.model_copy(update={"dynamics": "j2"})
+    assert not np.array_equal(drifting.orbits(), fresh.orbits(), equal_nan=True)
+    again = pickle.loads(pickle.dumps(drawn))
+    assert again == drawn
+    assert np.array_equal(again.orbits(), fresh.orbits(), equal_nan=True)

@@ -1,4 +1,4 @@
-"""Values that look like slips of units: each kind is noted once, and usual instances are not."""
+"""Slips of units are noted once, usual instances are not, and names cannot move the cursor."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import Cli
+from conftest import Cli, refused
 
 import adr_opt
 from adr_opt.problem.plausible import USUAL, doubts
-from adr_opt.sources.asked.by_option import by_option
 from adr_opt.sources.generator.families import FAMILIES
+from adr_opt.sources.mission_options import by_option
 
 DAY_S = 86400.0
 
@@ -106,3 +106,51 @@ def test_solve_and_check_note_the_same(cli: Cli, tmp_path: Path) -> None:
 def test_messages_name_the_option(said: str, expected: str) -> None:
     """Fields that an option fills are named by it; other messages stay."""
     assert by_option(said) == expected
+
+
+NAMES = ("a\x1b[31mred", "b\x9b2J", "c\nadr-opt: wrote it", "d\u202eabc", "e\x7f", "f\r", "g\x07")
+
+
+@pytest.fixture
+def odd_file(tmp_path: Path) -> Path:
+    """A tiny instance whose name and targets hold control characters."""
+    instance = adr_opt.generate("tiny", 0)
+    targets = [
+        target.replace(name=name) for target, name in zip(instance.targets, NAMES, strict=True)
+    ]
+    path = tmp_path / "odd.json"
+    instance.replace(name="in\x1b[2Jstance", targets=targets).save(path)
+    return path
+
+
+def is_harmless(text: str) -> bool:
+    """Whether a terminal shows it and does nothing else."""
+    return all(each.isprintable() or each == "\n" for each in text)
+
+
+def test_names_are_said_with_escapes(cli: Cli, odd_file: Path) -> None:
+    """Tables, messages and errors show control characters as escapes."""
+    solved = cli("solve", odd_file, "--method", "greedy-guarded", "--out", "plan.json")
+    assert solved.status == 0
+    visited = [leg.destination for leg in adr_opt.plan.plan.load_plan("plan.json").legs]
+    assert set(visited) & set(NAMES)
+    for call in (
+        ("solve", odd_file, "--method", "greedy-guarded"),
+        ("check", odd_file, "plan.json"),
+        ("bound", odd_file, "--method", "none-such\x1b[2J"),
+        ("check", "none\x1b[2J.json", "plan.json"),
+    ):
+        outcome = cli(*call)
+        assert is_harmless(outcome.out + outcome.err), call
+    assert "\\u" in solved.out
+    refused(cli("price", odd_file, "nobody\nadr-opt: wrote it"), "nobody")
+
+
+def test_json_is_the_same_json(cli: Cli, odd_file: Path) -> None:
+    """What --json prints holds escapes of its own, and says the names as they are."""
+    outcome = cli("solve", odd_file, "--method", "greedy-guarded", "--json", "--quiet")
+    assert is_harmless(outcome.out)
+    content = json.loads(outcome.out)
+    left = {each["target"] for each in content["unvisited"]}
+    gone = {leg["destination"] for leg in content["routes"][0]["legs"]} - {"station"}
+    assert left | gone == set(NAMES)

@@ -145,20 +145,8 @@ def test_an_import_drifts_unless_it_is_told_otherwise(cli: Cli, catalogue: str) 
 def test_sizes_are_set_by_hand(cli: Cli, catalogue: str) -> None:
     """Each option of an import reaches its field, in days or m/s."""
     outcome = cli(
-        "import",
-        catalogue,
-        "--out",
-        "out.json",
-        "--drift-step-days",
-        "3",
-        "--max-drift-days",
-        "60",
-        "--departure-spacing-days",
-        "0.5",
-        "--resolution",
-        "2.5",
-        "--duration-days",
-        "100",
+        f"import {catalogue} --out out.json --drift-step-days 3 --max-drift-days 60 "
+        "--departure-spacing-days 0.5 --resolution 2.5 --duration-days 100"
     )
     assert outcome.status == 0
     made = adr_opt.load("out.json").transfer
@@ -173,16 +161,7 @@ def test_sizes_are_set_by_hand(cli: Cli, catalogue: str) -> None:
 def test_without_refuelling_there_is_no_station(cli: Cli, catalogue: str) -> None:
     """The chaser starts in the orbit where the station would be, and the account says so."""
     cli("import", catalogue, "--out", "with.json", "--station", "750,86.4,10")
-    outcome = cli(
-        "import",
-        catalogue,
-        "--out",
-        "out.json",
-        "--station",
-        "750,86.4,10",
-        "--no-refuelling",
-        "--json",
-    )
+    outcome = cli(f"import {catalogue} --out out.json --station 750,86.4,10 --no-refuelling --json")
     assert outcome.status == 0
     made, other = adr_opt.load("out.json"), adr_opt.load("with.json")
     assert made.stations == ()

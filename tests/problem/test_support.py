@@ -18,7 +18,7 @@ from adr_opt.analysis.comparison import compare
 from adr_opt.analysis.design.rating import rating_of
 from adr_opt.analysis.priced import price
 from adr_opt.analysis.rehearse.sampling import rehearse
-from adr_opt.analysis.replan import replan
+from adr_opt.analysis.replan.replanning import replan
 from adr_opt.analysis.robust.robust import robust
 from adr_opt.analysis.scenario.offer import check_template
 from adr_opt.analysis.trade.axes import Axis
@@ -52,7 +52,7 @@ from adr_opt.problem.rules import (
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.run.method_spec import MethodSpec
 from adr_opt.run.methods import BOUNDS, PLANNERS, names, spec
-from adr_opt.ui.cli.verbs import VERBS, command
+from adr_opt.ui.cli.entry import VERBS, command
 from adr_opt.ui.report import page
 
 METHODS = [(group, name) for group in (PLANNERS, BOUNDS) for name in names(group)]
@@ -230,7 +230,7 @@ def test_a_refusal_names_methods_of_the_same_kind() -> None:
     limited = instance.replace(chasers=(chaser,))
     for call, name, others in (
         (adr_opt.solve, "local-search", PLANNERS),
-        (adr_opt.bound, "cpsat", BOUNDS),
+        (adr_opt.bound, "mip", BOUNDS),
     ):
         with pytest.raises(InputError, match="does not follow visits between") as error:
             call(limited, name, time_limit=1.0)

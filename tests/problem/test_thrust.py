@@ -41,14 +41,6 @@ def test_what_makes_no_sense_is_refused(
     assert "\n" not in str(caught.value)
 
 
-def test_files_without_thrust_stay_as_they_are():
-    """A field that is not set stands neither in a file nor in its SHA-256."""
-    field = adr_opt.generate("sso", 0, targets=3)
-    assert "thrust" not in field.to_json()
-    assert "duty" not in field.to_json()
-    assert changed({"duty_cycle": None}).to_json().count("duty_cycle") == 0
-
-
 def test_plans_of_chemical_chasers_are_none_of_electric_ones():
     """A drift leg breaks the rules for a chaser with low thrust, and the other way round."""
     electric_one = electric(3)

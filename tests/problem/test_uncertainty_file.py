@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.problem.uncertainty import Delay, LognormalFactor, Uncertainty, json_schema
+from adr_opt.problem.uncertainty import Delay, LognormalFactor, Uncertainty
 from adr_opt.problem.world import DrawnWorld, uniform
 
 INSTANCE = adr_opt.generate("tiny", seed=0)
@@ -48,8 +48,8 @@ def test_a_file_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert Uncertainty.load(tmp_path / "u.json") == made
     written = json.loads((tmp_path / "u.json").read_text())
     assert Uncertainty().model_dump(mode="json") == {"format": "adr-opt-uncertainty/1"}
-    jsonschema.validate(EVERYTHING, json_schema())
-    jsonschema.validate(written, json_schema())
+    jsonschema.validate(EVERYTHING, Uncertainty.json_schema())
+    jsonschema.validate(written, Uncertainty.json_schema())
 
 
 def test_a_target_that_is_certain_stays_certain_in_the_file() -> None:

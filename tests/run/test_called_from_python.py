@@ -1,10 +1,14 @@
-"""What the functions of the package take from Python, and the sentences for what they refuse."""
+"""What functions take from Python and refuse in a sentence, and what methods say of themselves."""
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
+import subprocess
+import sys
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +18,7 @@ import adr_opt
 from adr_opt.analysis import price
 from adr_opt.common.errors import InputError
 from adr_opt.problem.chasers import Chaser, Tank, TankByMass
+from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, options_of, spec
 
 
 def test_an_instance_is_taken_by_its_file_and_by_its_content(tmp_path: Path) -> None:
@@ -84,3 +89,32 @@ def test_a_timetable_refuses_strange_times(time_s: Any) -> None:
     for name, call in (("time_s", timetable.lookup), ("after", timetable.connections)):
         with pytest.raises(InputError, match=f"{name} = .*: must be a finite number ≥ 0"):
             call(0, 1, time_s)
+
+
+METHODS = [(group, name) for group in (PLANNERS, BOUNDS) for name in names(group)]
+
+
+def test_reading_specifications_imports_no_planner() -> None:
+    """What all methods can do is known before numba, OR-Tools, torch or a planner is imported."""
+    code = (
+        "import sys; from adr_opt.run import methods as m;"
+        "[m.spec(n, g) for g in (m.PLANNERS, m.BOUNDS) for n in m.names(g)];"
+        "heavy = {'numba', 'ortools', 'torch', 'solvers.planners', 'solvers.bounds'};"
+        "sys.exit(','.join(sorted(heavy & set(sys.modules))) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(("group", "name"), METHODS)
+def test_specifications_say_what_methods_take(group: str, name: str) -> None:
+    """Start plans, cores, chasers and options that need a table are as the method has them."""
+    known, method = spec(name, group), get(name, group)
+    parameters = inspect.signature(method).parameters
+    options = {each.name for each in fields(options_of(method))}
+    assert known.name == name
+    assert known.starts == ("start" in parameters)
+    assert known.uses_cores == ("jobs" in options)
+    assert known.several == (next(iter(parameters)) == "problem")
+    assert set(known.table_options) <= options
+    assert set(known.practice.options) <= options

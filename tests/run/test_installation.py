@@ -14,7 +14,7 @@ from conftest import Cli
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.common.requirements import Requirement, requirements
+from adr_opt.common.packages import Requirement, requirements
 from adr_opt.kernels.core import archive, cache
 from adr_opt.run import installation, method_call
 

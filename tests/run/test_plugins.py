@@ -1,4 +1,4 @@
-"""Planners that others write: what is wrong with one is one sentence, and a function tries it."""
+"""Planners that others write, and practice missions: faults are sentences, each kind is there."""
 
 from __future__ import annotations
 
@@ -8,15 +8,22 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.mission.certified import certify, certify_routes
+from adr_opt.mission.problem import Problem
 from adr_opt.problem.rules import FIRST
 from adr_opt.run import front, methods
 from adr_opt.run.method_spec import MethodSpec
+from adr_opt.run.methods import PLANNERS
+from adr_opt.run.warm_up import PracticeKind, practice_problem, thrusting_problem
 from adr_opt.testing import CASES, PlannerFault, validate_planner
+from adr_opt.ui.cli.warm_up import _is_for, _kinds
+from solvers.labels.label_search import LabelSearch
+from solvers.labels.practice import practise
 
 ROOT = Path(__file__).parents[2]
 
@@ -288,3 +295,54 @@ def test_warm_up_says_of_a_planner_what_is_wrong() -> None:
     """Practising finds out that no result comes back, and returns the sentence."""
     problem = front.warm_up(methods.PLANNERS, "forgets")
     assert "returned None in place of a Result" in str(problem)
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_practice_of_low_thrust_thrusts_and_tows(several: bool) -> None:
+    """Its chasers thrust, some of its targets are towed, and some pairs have legs."""
+    problem = PracticeKind(thrusts=True, several=several).problem()
+    assert all(chaser.thrust_n is not None for chaser in problem.instance.chasers)
+    assert len(problem.missions) == 1 + several
+    assert {target.removal for target in problem.instance.targets} == {"tow", "visit"}
+    mission = problem.missions[0]
+    assert any(
+        mission.time((problem.instance.first_target + at, problem.instance.first_target + to)).made
+        for at, to in ((0, 1), (0, 2), (1, 2))
+    )
+
+
+@pytest.mark.parametrize("required", [False, True])
+def test_practice_with_functions_of_time_has_some(required: bool) -> None:
+    """Its arrivals are functions; as a tour, all of its targets are required."""
+    problem = PracticeKind(timed=True, tours=required).problem()
+    assert problem.missions[0].has_functions
+    assert {target.required for target in problem.instance.targets} == {required}
+
+
+def test_every_kind_is_practised_by_exact() -> None:
+    """There is no kind of practice mission that the planner for all of them leaves out."""
+    kinds = _kinds()
+    assert len(set(kinds)) == len(kinds)
+    assert all(_is_for(kind, front.spec_of("exact", PLANNERS)) for kind in kinds)
+    thrusting = [kind for kind in kinds if kind.thrusts]
+    assert not any(_is_for(kind, front.spec_of("beam", PLANNERS)) for kind in thrusting)
+
+
+def test_a_cut_is_paid_for_in_practice(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Walks pay for a subset-row cut, or for none, where there is a timetable; with tows too."""
+    cut = []
+    original = LabelSearch.cut
+
+    def noting(self: LabelSearch, cuts: list, **more: bool) -> None:
+        original(self, cuts, **more)
+        cut.append(list(cuts))
+
+    monkeypatch.setattr(LabelSearch, "cut", noting)
+    for problem in (practice_problem(several=True), thrusting_problem()):
+        assert problem.missions[0].timetable is not None
+        practise(problem)
+    assert [len(cuts) for cuts in cut] == [0, 1, 0, 1]
+    practise(Problem(thrusting_problem().instance))  # whose timetable is not built
+    practise(PracticeKind(timed=True).problem())
+    assert len(cut) == 4
+    assert all(np.isfinite(each.multiplier) for cuts in cut for each in cuts)

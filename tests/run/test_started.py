@@ -152,18 +152,6 @@ def test_a_tank_that_is_said_to_be_full_is_a_full_one() -> None:
     assert [leg.model_dump() for leg in one.legs] == [leg.model_dump() for leg in two.legs]
 
 
-def test_files_without_it_stay_as_they_are() -> None:
-    """Nothing is written of a tank that is full at the start; what is written is read again."""
-    plain = hand_made()
-    assert "initial" not in plain.to_json()
-    said = json.loads(plain.to_json())
-    assert said["chasers"][0]["tank"] == {"delta_v_m_s": 300.0}
-    made = of_two_bodies(2)
-    assert "initial" in made.to_json()
-    assert Instance.from_json(made.to_json()) == made
-    assert Instance.from_json(made.to_json()).sha256 == made.sha256
-
-
 def test_the_first_tank_is_worth_what_it_holds() -> None:
     """Budgets tank by tank begin with what there is, and go on with full tanks."""
     instance = of_two_bodies(2)

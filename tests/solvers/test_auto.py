@@ -21,7 +21,6 @@ from adr_opt.mission.result import Result
 from adr_opt.run.method_call import warm_up
 from adr_opt.run.methods import PLANNERS
 from solvers.beams import timely_beams
-from solvers.beams.time_value import TIME_VALUE_M_S_PER_H
 from solvers.planners import one_route
 from solvers.planners.auto import auto
 from solvers.planners.beam import beam
@@ -126,37 +125,11 @@ def test_what_is_told_never_gets_worse(field: Mission) -> None:
     assert bounds[-1] == result.upper_bound
 
 
-def test_start_plan_is_never_lost(field: Mission) -> None:
-    """However little time there is, a good start plan comes back, or a better one."""
-    good = plan(field, 4)
-    stop = Interrupted()
-    stop.interrupt()
-    result = call(auto, field, seed=1, stop=stop, start=good.sequence, jobs=1, prove=False)
-    assert result.objective == good.objective
-    assert plan(field, 1, start=good.sequence, prove=False).objective >= good.objective
-
-
 def test_a_poor_start_plan_does_no_harm(field: Mission) -> None:
     """The guarded greedy plan is taken where the start plan is worse."""
     first = plan(field, 4).sequence
     assert first is not None
     assert plan(field, 1, start=first[:1]).objective >= 5.0
-
-
-def test_interrupted_at_once() -> None:
-    """Told to stop before it begins, it still returns the guarded greedy plan, at once."""
-    mission = Mission(adr_opt.generate("nominal", 0), threads=1)
-    assert mission.rules.prize.size == 51
-    stop = Interrupted()
-    stop.interrupt()
-    began = time.process_time()
-    result = auto(mission, seed=0, stop=stop, progress=silent)
-    assert time.process_time() - began < 5.0
-    assert result.plan is not None
-    assert adr_opt.check(mission.instance, result.plan) == ()
-    greedy = adr_opt.solve(mission, "greedy-guarded", time_value_m_s_per_h=TIME_VALUE_M_S_PER_H)
-    assert result.objective == greedy.objective
-    assert result.counters["rounds"] == 0
 
 
 def test_interrupted_in_the_middle(field: Mission) -> None:

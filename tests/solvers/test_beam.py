@@ -22,8 +22,7 @@ from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
 from solvers.beams import timely_beams
-from solvers.beams.beams import BeamSettings, beam_search, usual_settings
-from solvers.beams.time_value import TIME_VALUE_M_S_PER_H
+from solvers.beams.beams import TIME_VALUE_M_S_PER_H, BeamSettings, beam_search, usual_settings
 from solvers.planners.beam import beam
 from solvers.walks.completion_times import latest_of
 from solvers.walks.walks import WalkBound

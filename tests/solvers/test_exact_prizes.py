@@ -105,17 +105,12 @@ def test_campaigns_equal_enumeration(kind: str, seeds: range) -> None:
 
 @all_kinds
 @pytest.mark.parametrize(
-    "method",
-    [
-        "lagrangian",
-        "routing-bound",
-        *(pytest.param(name, marks=pytest.mark.slow) for name in ("cpsat", "mip")),
-    ],
+    "method", ["lagrangian", "routing-bound", pytest.param("mip", marks=pytest.mark.slow)]
 )
 @over_seeds(range(3), gate=1)
 def test_no_method_states_too_much(kind: str, method: str, seed: int) -> None:
     """Bounds are not below the best plan by a single unit, and what is optimal is the best."""
-    function = get(method, PLANNERS if method in ("cpsat", "mip") else BOUNDS)
+    function = get(method, PLANNERS if method == "mip" else BOUNDS)
     instance = drawn(kind, seed)
     mission = Mission(instance, threads=1)
     best, _, sequence = brute_force(mission)

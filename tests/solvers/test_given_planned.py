@@ -173,18 +173,7 @@ def test_a_very_short_leg_does_not_hold_up_proofs() -> None:
 
 @pytest.mark.parametrize(
     "method",
-    [
-        "auto",
-        "beam",
-        "cpsat",
-        "exact",
-        "greedy",
-        "greedy-guarded",
-        "local-search",
-        "mcts",
-        "mip",
-        "ortools",
-    ],
+    ["auto", "beam", "exact", "greedy", "greedy-guarded", "local-search", "mcts", "mip", "ortools"],
 )
 def test_every_method_plans_the_toy(method: str) -> None:
     """All planners take given costs, and none exceeds what is proven."""
@@ -194,7 +183,7 @@ def test_every_method_plans_the_toy(method: str) -> None:
     result = adr_opt.solve(instance, method, time_limit=60.0, iterations=20)
     assert result.plan is None or adr_opt.check(instance, result.plan) == ()
     assert result.objective <= best.objective
-    if method in ("auto", "cpsat", "exact", "mip"):
+    if method in ("auto", "exact", "mip"):
         assert result.objective == best.objective
 
 

@@ -28,7 +28,6 @@ from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.run import front
 from solvers.networks.packed_legs import AHEAD, FIELD, LegSource, NoRoom, Stream
-from solvers.progress import proof_size
 from solvers.proof import large_proof, proof
 from solvers.proof.large_proof import LargeProof, layouts
 from solvers.walks.floors import Sack, floor_bound, floors, knapsack
@@ -303,12 +302,6 @@ def test_too_little_room_is_said():
     mission = Mission(adr_opt.generate("tiny", 0))
     with pytest.raises(NoRoom):
         LegSource(mission).stream(60.0, 5.0, 10, jobs=2, over=lambda: False)
-
-
-@pytest.fixture
-def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No network of all connections fits into memory."""
-    monkeypatch.setattr(proof_size, "available_bytes", lambda: 0.0)
 
 
 @pytest.mark.usefixtures("no_network")

@@ -23,10 +23,8 @@ from adr_opt.mission.result import Result
 from adr_opt.run.methods import get
 from solvers.orders.cooling import AnnealingSchedule
 from solvers.orders.timed_order import make_labels, time_order, with_refuelling
-from solvers.planners.local_search import local_search
-from solvers.planners.local_search.annealing import anneal
-from solvers.planners.local_search.moves import NAMES, apply_move
-from solvers.planners.local_search.planner import WEIGHTS, LocalSearch
+from solvers.planners.local_search import WEIGHTS, LocalSearch, local_search
+from solvers.planners.local_search.annealing import NAMES, anneal, apply_move
 
 TARGETS = 12
 

@@ -14,7 +14,7 @@ import adr_opt
 from adr_opt.common.stop import Interrupted, MaxIterations
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
-from solvers.planners.mcts import mcts, planner
+from solvers.planners.mcts import mcts
 from solvers.planners.mcts import policy as policies
 from solvers.planners.mcts.settings import PUBLISHED
 
@@ -129,22 +129,6 @@ def test_legal_with_zones(family, options):
     assert result.objective > 0.0
 
 
-@pytest.mark.parametrize("options", [{}, {"preset": "tuned"}])
-def test_no_targets(options):
-    """Without targets the plan is empty and optimal."""
-    mission = Mission(adr_opt.generate("tiny", 0, targets=0))
-    result = plan(mission, **options)
-    assert (result.sequence, result.status) == ((), "optimal")
-
-
-@pytest.mark.parametrize("options", [{}, {"preset": "tuned"}])
-def test_nothing_reachable(tiny, options):
-    """Where no move is legal the plan is empty and the search still ends when told to."""
-    instance = tiny.instance
-    minute = instance.with_limits(duration_s=60.0)
-    assert plan(Mission(minute), 5, **options).sequence == ()
-
-
 def test_stop_is_asked_before_every_step(nominal):
     """A mission stopped after some steps is the beginning of the one that was not stopped."""
     whole = plan(nominal)
@@ -187,7 +171,7 @@ def test_prizes_count(tiny):
 
 def test_memory_bounds_tree_not_plan(nominal, monkeypatch):
     """A kept tree that runs out of memory is begun anew, and the mission goes on."""
-    monkeypatch.setattr(planner, "LARGEST_TREE", 1)
+    monkeypatch.setattr("solvers.planners.mcts.LARGEST_TREE", 1)
     result = plan(nominal, 40, preset="tuned", simulations=100)
     assert adr_opt.check(nominal.instance, result.plan) == ()
     assert result.objective >= 25.0

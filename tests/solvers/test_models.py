@@ -23,11 +23,9 @@ from adr_opt.common.errors import MissingExtra
 from adr_opt.common.stop import Interrupted, MaxIterations, MaxRuntime
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
-from solvers.bounds.routing_bound import routing_bound
+from solvers.bounds.routing_bound import in_steps, routing_bound
 from solvers.models import course
-from solvers.models.cp_sat_solver import cp_sat
-from solvers.models.steps import in_steps
-from solvers.planners.cpsat import cpsat
+from solvers.models.cp_sat import cp_sat
 from solvers.planners.mip import mip
 
 RARE = (5034, 5065, 5505)
@@ -36,8 +34,7 @@ RARE = (5034, 5065, 5505)
 AT_THE_GATE = 3
 """Instances of the family, of which "tiny-006" takes as long as all others together."""
 
-exact_methods = pytest.mark.parametrize("method", [mip, cpsat])
-all_methods = pytest.mark.parametrize("method", [mip, cpsat, routing_bound])
+all_methods = pytest.mark.parametrize("method", [mip, routing_bound])
 
 
 @pytest.fixture(autouse=True)
@@ -61,7 +58,6 @@ def has_proven(result, mission, optimum):
     return True
 
 
-@exact_methods
 @pytest.mark.parametrize(
     "path",
     [
@@ -69,55 +65,51 @@ def has_proven(result, mission, optimum):
         for number, path in enumerate(TINY)
     ],
 )
-def test_tiny_family(method, path):
+def test_tiny_family(path):
     """On every committed tiny instance the optimum is proven, with and without a start plan."""
     mission = Mission(adr_opt.load(path), threads=1)
     optimum, _, best = brute_force(mission)
-    assert has_proven(prove(method, mission), mission, optimum)
-    assert has_proven(prove(method, mission, start=best), mission, optimum)
-    assert has_proven(prove(method, mission, start=best[:1]), mission, optimum)
+    assert has_proven(prove(mip, mission), mission, optimum)
+    assert has_proven(prove(mip, mission, start=best), mission, optimum)
+    assert has_proven(prove(mip, mission, start=best[:1]), mission, optimum)
 
 
-@exact_methods
 @pytest.mark.parametrize("start", [None, (), OPTIMAL_PLAN])
-def test_hand_made(method, start):
+def test_hand_made(start):
     """The optimum worked out on paper is found and proven; its plan is the only one."""
     mission = Mission(hand_made(), threads=1)
-    result = prove(method, mission, start=start)
+    result = prove(mip, mission, start=start)
     assert has_proven(result, mission, OPTIMUM)
     assert result.sequence == OPTIMAL_PLAN
 
 
-@exact_methods
 @over_seeds(range(24), gate=4)
-def test_random_missions(method, seed):
+def test_random_missions(seed):
     """With zones, unequal and non-integer prizes the methods equal brute force."""
     mission = random_mission(seed)
     optimum, _, _ = brute_force(mission)
-    assert has_proven(prove(method, mission), mission, optimum)
+    assert has_proven(prove(mip, mission), mission, optimum)
 
 
-@exact_methods
 @over_seeds(range(12), gate=4)
-def test_reduced_networks(method, seed, monkeypatch):
+def test_reduced_networks(seed, monkeypatch):
     """With arcs removed by reduced costs, goal by goal, the methods still equal brute force."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 0)
     mission = random_mission(seed)
     optimum, _, best = brute_force(mission)
-    assert has_proven(prove(method, mission, jobs=1), mission, optimum)
-    assert has_proven(prove(method, mission, jobs=1, start=best), mission, optimum)
+    assert has_proven(prove(mip, mission, jobs=1), mission, optimum)
+    assert has_proven(prove(mip, mission, jobs=1, start=best), mission, optimum)
 
 
-@exact_methods
 @pytest.mark.parametrize("whole", [True, False])
 @over_seeds([*RARE, *range(40)], gate=9)
-def test_missions_with_every_feature(method, whole, seed, monkeypatch):
+def test_missions_with_every_feature(whole, seed, monkeypatch):
     """With several stations or none, windows, ends, a start of its own and few targets, too."""
-    monkeypatch.setattr(course, "WHOLE_LEGS", 10**9 if whole and method is mip else 0)
+    monkeypatch.setattr(course, "WHOLE_LEGS", 10**9 if whole else 0)
     mission = featured_mission(seed)
     optimum, _, best = brute_force(mission)
     start = best if seed % 2 and optimum > -math.inf else None
-    assert has_proven(prove(method, mission, jobs=1, start=start), mission, optimum)
+    assert has_proven(prove(mip, mission, jobs=1, start=start), mission, optimum)
 
 
 @all_methods
@@ -208,12 +200,11 @@ def test_worthless_targets(method):
     assert prove(method, Mission(instance.replace(targets=worthless))).upper_bound == 0.0
 
 
-@exact_methods
 @pytest.mark.parametrize("prizes", [(1e12, 1.0), (1e-7, 3e-7), (1e9, 0.5), (6e6, 9e6)])
-def test_prizes_of_any_size(method, prizes):
+def test_prizes_of_any_size(prizes):
     """Prizes far from 1 and far apart: proven to the step, or it is said that none could be told.
 
-    HiGHS knows no more than seven digits of an objective, and CP-SAT counts in whole numbers.
+    HiGHS knows no more than seven digits of an objective.
     """
     instance = adr_opt.generate("tiny", 4)
     targets = tuple(
@@ -221,17 +212,16 @@ def test_prizes_of_any_size(method, prizes):
     )
     mission = Mission(instance.replace(targets=targets))
     optimum, _, _ = brute_force(mission)
-    result = prove(method, mission)
+    result = prove(mip, mission)
     assert optimum * (1.0 - 1e-12) <= result.upper_bound <= optimum + 1e-6 * max(1.0, optimum)
-    if method.__name__ == "mip" and max(prizes) > 1e6 * mission.prize_step:
+    if max(prizes) > 1e6 * mission.prize_step:
         assert result.status == "feasible"
         assert any("within its tolerances" in note for note in result.notes)
     else:
         assert (result.status, result.objective) == ("optimal", pytest.approx(optimum, rel=1e-15))
 
 
-@exact_methods
-def test_a_tank_that_is_just_too_small(method):
+def test_a_tank_that_is_just_too_small():
     """Paths that exceed the tank by less than the solver can tell are ruled out, to a proof."""
     mission = Mission(hand_made(), threads=1)
     spent = 2.0 * (
@@ -240,7 +230,7 @@ def test_a_tank_that_is_just_too_small(method):
     )
     mission = Mission(hand_made(delta_v_m_s=spent - 1.05 * SLACK_M_S), threads=1)
     optimum, _, _ = brute_force(mission)
-    result = prove(method, mission)
+    result = prove(mip, mission)
     assert optimum < OPTIMUM
     assert has_proven(result, mission, optimum)
     assert result.counters["forbidden"] > 0
@@ -260,8 +250,8 @@ def test_too_short_a_time_limit(method):
     assert time.process_time() - began < 20.0
 
 
-@pytest.mark.parametrize("method", [pytest.param(mip, marks=pytest.mark.slow), cpsat])
-def test_an_interruption_ends_the_solver(method, monkeypatch):
+@pytest.mark.slow
+def test_an_interruption_ends_the_solver(monkeypatch):
     """Someone who says enough from outside, without a time limit, does not wait for the proof."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 10**9)
     instance = adr_opt.generate("reduced-time", 0, targets=14)
@@ -270,40 +260,37 @@ def test_an_interruption_ends_the_solver(method, monkeypatch):
     timer = threading.Timer(1.5, stop.interrupt)
     timer.start()
     began = time.monotonic()
-    result = prove(method, mission, stop=stop, most_arcs=10**9)
+    result = prove(mip, mission, stop=stop, most_arcs=10**9)
     assert result.upper_bound <= 14.0
     assert result.status == "feasible"
     assert time.monotonic() - began < 60.0
     timer.cancel()
 
 
-@exact_methods
-def test_a_network_that_is_too_large(method):
+def test_a_network_that_is_too_large():
     """What is too large for the solver is not tried: a bound, a plan, and a note that says so."""
     mission = Mission(adr_opt.generate("reduced-time", 0, targets=15))
-    result = prove(method, mission, most_arcs=1, evaluations=20)
+    result = prove(mip, mission, most_arcs=1, evaluations=20)
     assert result.upper_bound < 15.0
     assert result.counters["solves"] == 0
     assert result.status == "feasible"
     assert any("most_arcs = 1" in note for note in result.notes)
 
 
-@exact_methods
-def test_iterations_limit_the_work(method):
+def test_iterations_limit_the_work():
     """With a limit on iterations the same work is done twice, to the same result."""
     mission = Mission(adr_opt.generate("reduced-time", 0, targets=15))
-    first, second = (prove(method, mission, stop=MaxIterations(3), most_arcs=1) for _ in range(2))
+    first, second = (prove(mip, mission, stop=MaxIterations(3), most_arcs=1) for _ in range(2))
     assert first.counters["evaluations"] <= 3
     assert first.upper_bound == second.upper_bound
     assert first.sequence == second.sequence
 
 
-@exact_methods
-def test_progress_is_monotone(method):
+def test_progress_is_monotone():
     """The bound only falls and the incumbent only rises, down to the result."""
     mission = Mission(adr_opt.load(TINY[8]), threads=1)
     told = []
-    result = prove(method, mission, progress=lambda *pair: told.append(pair))
+    result = prove(mip, mission, progress=lambda *pair: told.append(pair))
     incumbents, bounds = zip(*told, strict=True)
     assert list(incumbents) == sorted(incumbents)
     assert list(bounds) == sorted(bounds, reverse=True)
@@ -332,11 +319,10 @@ def test_prizes_in_steps_are_never_too_few():
 
 
 @pytest.mark.slow
-@exact_methods
-def test_three_days_with_twenty_targets(method):
+def test_three_days_with_twenty_targets():
     """A reduced instance: goals are proven one after the other, within a margin of a visit."""
     mission = Mission(adr_opt.generate("reduced-time", 0, targets=20))
-    result = prove(method, mission, stop=MaxRuntime(240.0))
+    result = prove(mip, mission, stop=MaxRuntime(240.0))
     assert result.upper_bound == 12.0
     assert math.isfinite(result.objective)
     assert result.upper_bound - result.objective <= 1.0

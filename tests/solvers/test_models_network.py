@@ -12,9 +12,9 @@ from small_missions import DAY_S, featured_mission, network_of, random_mission
 
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.chasers import InOrbit
-from solvers.models import network
-from solvers.models.network import all_of, bodies_along, keep, path_of
+from solvers.models import solver_network
 from solvers.models.reduction import best_through, can_reach
+from solvers.models.solver_network import all_of, bodies_along, keep, path_of
 from solvers.networks.network import build
 
 
@@ -83,8 +83,8 @@ def test_a_network_without_what_is_needed_is_caught(monkeypatch):
     def whatever_it_costs(pair, landing, delta_v, dominated):
         right(pair, landing, np.zeros_like(delta_v), dominated)
 
-    right = network._dominated
-    monkeypatch.setattr(network, "_dominated", whatever_it_costs)
+    right = solver_network._dominated
+    monkeypatch.setattr(solver_network, "_dominated", whatever_it_costs)
     lost = 0
     for mission, best in zip(missions, plans, strict=True):
         lost += len(path_of(network_of(mission), best, mission.rules)) < len(best)

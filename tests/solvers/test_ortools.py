@@ -18,9 +18,8 @@ from adr_opt.kernels.rules.rules import beginning, replay
 from adr_opt.mission.mission import Mission
 from adr_opt.run.methods import get
 from solvers.planners.ortools_windows import ortools
-from solvers.planners.ortools_windows.fill import best_insertion
-from solvers.planners.ortools_windows.network import SlackWorth, fly_rest
-from solvers.planners.ortools_windows.order import flown
+from solvers.planners.ortools_windows.order import best_insertion, flown
+from solvers.planners.ortools_windows.window_network import SlackWorth, fly_rest
 
 
 @pytest.fixture(scope="module")

@@ -34,7 +34,7 @@ from solvers.policies.decoding import Field, finish  # noqa: E402
 from solvers.policies.promises import follow_chains, promises  # noqa: E402
 from solvers.training import configs  # noqa: E402
 from solvers.training.export import write_onnx  # noqa: E402
-from solvers.training.network import SetNetwork  # noqa: E402
+from solvers.training.policies import SetNetwork  # noqa: E402
 
 STATES = 1000
 

@@ -12,11 +12,11 @@ from timed_fields import timed_mission
 
 import adr_opt
 from adr_opt.mission.certify import certificate_of
-from solvers.sets.earliest_end import EarliestEnd
-from solvers.sets.layers import LayerSearch, windows_of
-from solvers.sets.memories import memories_of
-from solvers.sets.relaxation import bound_units, narrowed, relaxed, steps_of, whole_bands
-from solvers.sets.tour import deadlines, end_of, sequence_of, tour_of
+from solvers.timed_tours.earliest_end import EarliestEnd
+from solvers.timed_tours.layers import LayerSearch, windows_of
+from solvers.timed_tours.memories import memories_of
+from solvers.timed_tours.relaxation import bound_units, narrowed, relaxed, steps_of, whole_bands
+from solvers.timed_tours.tour import deadlines, end_of, sequence_of, tour_of
 
 
 def _compare(instance: adr_opt.Instance, method: str) -> adr_opt.Result:

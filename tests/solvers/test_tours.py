@@ -8,11 +8,11 @@ import math
 import numpy as np
 import pytest
 
-from solvers.tours import walks
+from solvers.tours import bound as bounds
+from solvers.tours import cell_walks
 from solvers.tours.bound import Bounding, FirstPrices, Tangent, bound, memories, neighbourhoods
 from solvers.tours.costs import FORBIDDEN, TimeGrid, TourCosts, TourExpense, blocks, nearby
-from solvers.tours.crossing import crossed, first_tour
-from solvers.tours.planner import Annealing, Population
+from solvers.tours.population import Annealing, Population, crossed, first_tour
 
 GRID = TimeGrid(least_gap=1, apart=3, unit_m_s=1.0)
 EXPENSE = TourExpense(20.0, 0.0, 2e-6, 2000.0, 30.0, 3334.0, 5000.0, most_missions=9)
@@ -252,9 +252,29 @@ def test_a_label_is_hidden_by_one_that_is_no_worse_at_any_mass():
             one & ~mask == 0 and (row <= value).all()
             for one, row in zip(masks.tolist(), values, strict=True)
         )
-        assert walks.is_hidden(masks, values, 3, mask, value) == wanted
+        assert cell_walks.is_hidden(masks, values, 3, mask, value) == wanted
         hidden += wanted
     assert 200 < hidden < 1800
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_traced_walks_cost_in_the_mean_what_the_sweep_says(kind):
+    """Walks drawn from the cheapest mixture cost, less their prices, its value in the mean."""
+    traced = 0
+    for seed in range(12):
+        cells = np.ascontiguousarray(drawn(seed, times=20).transpose(3, 0, 1, 2))
+        random = np.random.default_rng(seed)
+        tangent = Tangent.at(EXPENSE, 6000.0)
+        prices = random.uniform(0.5, 2.5, 4) * (tangent.per_kg * 2500.0)
+        memory = memories(neighbourhoods(cells, seed % 4))
+        walks = bounds._Walks(cells, GRID, EXPENSE, tangent, memory, 12, kind)
+        value = walks.value(prices, 0.0) - prices.sum()
+        missing, missions, carried_kg = walks.missing(prices, 0.0, random)
+        per_mission = tangent.fixed + tangent.per_kg * (EXPENSE.dry_kg + carried_kg)
+        cost = missions * per_mission - prices @ (1.0 - missing)
+        assert cost == pytest.approx(value, rel=0.03, abs=1e-6), seed
+        traced += missions > 0
+    assert traced > 8
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -32,8 +32,8 @@ from adr_opt.sources.library import load_library  # noqa: E402
 from solvers.policies import load_policy  # noqa: E402
 from solvers.training import configs, trainer  # noqa: E402
 from solvers.training.checkpoints import read_checkpoint, read_state, write_checkpoint  # noqa: E402
-from solvers.training.held import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
-from solvers.training.runs import Run, locked  # noqa: E402
+from solvers.training.runs import TrainingRun, locked  # noqa: E402
+from solvers.training.trainer import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
 
 
 def _call(folder: Path, *more: str) -> list[str]:
@@ -113,15 +113,15 @@ def test_a_folder_of_another_training_is_refused(tmp_path: Path) -> None:
     """Another configuration or seed never goes on from a checkpoint that is not its own."""
     config = configs.config("set")
     (tmp_path / "run").mkdir()
-    Run(tmp_path / "run", config, 0)
-    Run(tmp_path / "run", config, 0)
+    TrainingRun(tmp_path / "run", config, 0)
+    TrainingRun(tmp_path / "run", config, 0)
     with pytest.raises(adr_opt.common.errors.InputError, match="seed"):
-        Run(tmp_path / "run", config, 1)
+        TrainingRun(tmp_path / "run", config, 1)
     with pytest.raises(adr_opt.common.errors.InputError, match="observation"):
-        Run(tmp_path / "run", configs.config("published"), 0)
+        TrainingRun(tmp_path / "run", configs.config("published"), 0)
     (tmp_path / "run" / "run.json").write_text("[]", encoding="utf-8")
     with pytest.raises(adr_opt.common.errors.InputError, match="not the file of a training"):
-        Run(tmp_path / "run", config, 0)
+        TrainingRun(tmp_path / "run", config, 0)
 
 
 def _model(seed: int = 0) -> tuple[MaskablePPO, MissionVecEnv]:
@@ -212,7 +212,7 @@ class _Bomb:
 
 def test_no_checkpoint_is_unpickled(tmp_path: Path) -> None:
     """A checkpoint of an older version, or a pickle in place of one, is not even opened."""
-    run, made = Run(tmp_path, configs.config("set"), 0), tmp_path / "made"
+    run, made = TrainingRun(tmp_path, configs.config("set"), 0), tmp_path / "made"
     assert run.state == {}
     torch.save(_Bomb(made), tmp_path / "checkpoint.zip")
     with pytest.raises(adr_opt.common.errors.InputError, match="no longer read"):
@@ -225,7 +225,7 @@ def test_no_checkpoint_is_unpickled(tmp_path: Path) -> None:
 
 def test_a_damaged_curve_is_refused(tmp_path: Path) -> None:
     """What is not the curve of a training is neither gone on with nor overwritten."""
-    run = Run(tmp_path, configs.config("set"), 0)
+    run = TrainingRun(tmp_path, configs.config("set"), 0)
     for text in ("steps,seconds\nmany,1\n", "steps\n\n"):
         (tmp_path / "evaluations.csv").write_text(text, encoding="utf-8")
         with pytest.raises(adr_opt.common.errors.InputError, match="not the curve"):
@@ -257,7 +257,7 @@ def test_a_full_disk_ends_a_training_in_a_sentence(
         "enough": lambda: False,
         "report": lambda done, means: done and full_disk(),
     }
-    monkeypatch.setattr("solvers.training.held.HELD_FIELDS", 1)
+    monkeypatch.setattr("solvers.training.trainer.HELD_FIELDS", 1)
     for checkpoint_s in (0.0, 1e9):
         with pytest.raises(adr_opt.common.errors.InputError, match="cannot be written"):
             trainer.train(config, tmp_path / str(checkpoint_s), checkpoint_s=checkpoint_s, **calls)

@@ -1,10 +1,14 @@
-"""Lists of labels that wait: what dominates what, against plain comparisons."""
+"""Labels that wait and legs that are stale: what dominates what, against plain comparisons."""
+
+from __future__ import annotations
 
 import numpy as np
 import pytest
 
+import adr_opt
 from adr_opt.kernels.rules.loads import Loads
 from adr_opt.kernels.rules.resources import COUNT_BITS, CountLimits, kits_alone
+from adr_opt.mission.mission import Mission
 from solvers.labels.pending import is_preceded, more_room, next_of, pending_room, send, take
 from solvers.labels.row_cuts import CutTolls
 from solvers.labels.waiting import (
@@ -18,6 +22,9 @@ from solvers.labels.waiting import (
     larger,
     room,
 )
+from solvers.networks.arrays import Network
+from solvers.networks.dominated_legs import LOOK_BACK
+from solvers.networks.network import build
 
 LABELS = 900
 
@@ -174,3 +181,43 @@ def test_all_that_are_sent_arrive_and_precede_others_until_then(tolled, words):
     assert grown > 2
     for row in range(rows):
         assert (next_of(pending, row) == -1) == (not under_way[row])
+
+
+def networks() -> list[Network]:
+    """Of a field without and one with drift, both small."""
+    field = adr_opt.generate("tiny", 0)
+    transfer = {"drift_step_s": 43200.0, "max_drift_s": 604800.0, "departure_spacing_s": 20000.0}
+    drifting = field.replace(dynamics="j2", transfer=field.transfer.model_copy(update=transfer))
+    return [build(Mission(instance), jobs=1) for instance in (field, drifting)]
+
+
+def test_a_leg_is_stale_exactly_since_an_earlier_one_is_as_good() -> None:
+    """Of the rows just before, the last one with a leg no later and no dearer is named."""
+    for network in networks():
+        stale = 0
+        for body in range(network.start.size - 1):
+            earlier: dict[int, list[int]] = {}
+            for row in range(network.start[body], network.start[body + 1] - 1):
+                others = earlier.setdefault(int(network.destination[row]), [])
+                since = []
+                for leg in range(network.first[row], network.first[row + 1]):
+                    as_good = [
+                        other
+                        for other in others[-LOOK_BACK:]
+                        if np.any(
+                            (
+                                network.landing[network.first[other] : network.first[other + 1]]
+                                <= network.landing[leg]
+                            )
+                            & (
+                                network.delta_v[network.first[other] : network.first[other + 1]]
+                                <= network.delta_v[leg]
+                            )
+                        )
+                    ]
+                    since.append(max(as_good, default=-1))
+                    assert network.since[leg] == since[-1]
+                assert network.fresh[row] == min(since)
+                stale += sum(other >= 0 for other in since)
+                others.append(row)
+        assert stale > 0

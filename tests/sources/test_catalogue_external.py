@@ -13,7 +13,7 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.sources.catalogue import read, to_instance
 from adr_opt.sources.catalogue.propagation import mean_elements, state
-from adr_opt.sources.catalogue.station import plane_angles
+from adr_opt.sources.catalogue.selection import plane_angles
 
 pytest.importorskip("sgp4.api")
 sgp4_io = pytest.importorskip("sgp4.io")

@@ -16,7 +16,7 @@ import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.sources.catalogue import Filters, MissionOutline, read, to_instance
 from adr_opt.sources.catalogue.reading import read_bytes
-from adr_opt.sources.catalogue.station import densest, normals, plane_angles
+from adr_opt.sources.catalogue.selection import densest, normals, plane_angles
 
 pytest.importorskip("sgp4.api")
 

@@ -21,8 +21,8 @@ from adr_opt.problem.frame import Frame
 from adr_opt.sources.catalogue.propagation import state as sgp4_state
 from adr_opt.sources.ephemerides.by_table import ByTable
 from adr_opt.sources.ephemerides.coverage import Coverage, holes
+from adr_opt.sources.ephemerides.ephemeris import TurningAxes
 from adr_opt.sources.ephemerides.oem import read_oem
-from adr_opt.sources.ephemerides.turning import TurningAxes
 
 pytest.importorskip("sgp4.api")
 pytest.importorskip("erfa")

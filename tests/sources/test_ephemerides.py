@@ -26,16 +26,15 @@ from adr_opt.problem.frame_rotation import from_gcrf, teme_axes
 from adr_opt.sources.catalogue import ElementSet, read, to_instance
 from adr_opt.sources.catalogue.propagation import state as sgp4_state
 from adr_opt.sources.ephemerides import ephemerides_of, ephemeris_of
-from adr_opt.sources.ephemerides.by_sgp4 import ByElements
 from adr_opt.sources.ephemerides.coverage import Coverage
 from adr_opt.sources.ephemerides.elements_file import read_elements, to_text
+from adr_opt.sources.ephemerides.ephemeris import TurningAxes
 from adr_opt.sources.ephemerides.fit import fitted, j3_offset
 from adr_opt.sources.ephemerides.imported import with_ephemerides
 from adr_opt.sources.ephemerides.interpolation import interpolated
 from adr_opt.sources.ephemerides.left_over import left_over, planned_states
 from adr_opt.sources.ephemerides.oem import read_oem
-from adr_opt.sources.ephemerides.of_instance import of_contents
-from adr_opt.sources.ephemerides.turning import TurningAxes
+from adr_opt.sources.ephemerides.of_instance import ByElements, of_contents
 
 pytest.importorskip("sgp4.api")
 pytest.importorskip("erfa")
@@ -382,9 +381,7 @@ def test_an_object_that_comes_down_is_one_sentence(cli: Cli) -> None:
     Path("all.json").write_text(as_json([falling]), encoding="utf-8")
     refused(
         cli(
-            "import",
-            "all.json",
-            "--epoch",
+            "import all.json --epoch",
             falling.epoch.isoformat(),
             "--duration-days",
             "30",
@@ -438,13 +435,6 @@ def test_fits_of_real_motion_are_near() -> None:
         left = left_over(ephemeris, fitted(ephemeris, 3.0 * DAY_S), 3.0 * DAY_S)
         assert left.epoch_m < 1e3
         assert left.along_m < 5e3
-
-
-def test_files_without_ephemerides_stay_as_they_are() -> None:
-    """Fields that are not set stand neither in the file nor in its digest."""
-    text = adr_opt.generate("tiny", 0).to_json()
-    for field_name in ("ephemerides", "decay_m_per_day", "fit"):
-        assert field_name not in text
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from catalogue_files import as_csv, as_kvn, as_space_track_json, as_xml, field
-from conftest import Cli
+from catalogue_files import as_kvn, as_space_track_json, as_xml, field
 
 import adr_opt
 from adr_opt.common.constants import DAY_S
@@ -19,13 +18,6 @@ from adr_opt.sources.catalogue.criticality import HIGHEST_M, SIZE_KG, lasting
 pytest.importorskip("sgp4.io")
 
 RECORDS = field(12)
-
-
-@pytest.fixture
-def imported(cli: Cli):
-    """`import` of a catalogue of twelve, with more options."""
-    Path("a.csv").write_text(as_csv(RECORDS), encoding="utf-8")
-    return lambda *more: cli("import", "a.csv", "--out", "out.json", *more)
 
 
 def test_falling_prizes_reach_the_targets(imported) -> None:

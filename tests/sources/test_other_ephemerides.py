@@ -101,9 +101,7 @@ def test_other_formats_say_what_an_oem_says(cli: Cli, kind: str) -> None:
     for message, folder in ((name, "other"), ("plain.oem", "oem")):
         Path(folder).mkdir()
         made = cli(
-            "import",
-            "all.json",
-            "--epoch",
+            "import all.json --epoch",
             EPOCH.isoformat(),
             "--duration-days",
             "1",

@@ -20,13 +20,10 @@ from adr_opt.common.errors import InputError
 from adr_opt.kernels.orbits.collisions import collision
 from adr_opt.sources import worth
 from adr_opt.sources.catalogue import ElementSet
-from adr_opt.sources.worth.air import table
-from adr_opt.sources.worth.bodies import cylinder
+from adr_opt.sources.worth.air import YEAR_S, lifetimes, table
+from adr_opt.sources.worth.bodies import STAGES, cylinder
 from adr_opt.sources.worth.breakup import EXPOSURES, KINDS, area_shares, fragment_years
-from adr_opt.sources.worth.lifetimes import YEAR_S, lifetimes
-from adr_opt.sources.worth.pairs import with_one
-from adr_opt.sources.worth.speeds import mean_speeds
-from adr_opt.sources.worth.stages import STAGES
+from adr_opt.sources.worth.pairs import mean_speeds, with_one
 
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))
 

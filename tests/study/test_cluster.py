@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import Cli, refused
@@ -92,13 +95,33 @@ def test_a_cluster_makes_the_rows_of_one_process(address: str, tmp_path: Path) -
     assert run(failing, [1], cluster=address) == {1: {"failed": "InputError"}}
 
 
-@pytest.mark.slow
-def test_workers_that_die_over_a_row_are_told_apart(address: str, tmp_path: Path) -> None:
-    """Of a group that kills its workers the row at fault is given up, and the others are made."""
-    study = squares(Rows(tmp_path, dies=(1,)), failed=told)
-    with Run(study, cluster=address) as running:
-        found = dict(running.rows([(0, 1, 2)]))
-    assert found == {0: {"square": 0}, 1: {"failed": "WorkerDied"}, 2: {"square": 4}}
+class Deadly(ThreadPoolExecutor):
+    """A cluster whose workers die over a key, as far as can be told from outside."""
+
+    def __init__(self, address: str) -> None:
+        super().__init__(2)
+        self.count = 2
+
+    def submit(self, call: Any, /, token: str, row: bytes, keys: bytes) -> Future[Any]:  # type: ignore[override]
+        """Make the rows, or die."""
+        if 1 not in pickle.loads(keys):
+            return super().submit(call, token, row, keys)
+        dead: Future[Any] = Future()
+        dead.set_exception(cluster.WorkerDied("workers died over a call"))
+        return dead
+
+
+def test_the_row_at_fault_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a group that kills its workers only that row is, and the others are made."""
+    monkeypatch.setattr(cluster, "Cluster", Deadly)
+    with Run(squares(Rows(tmp_path), failed=told), cluster="dask://a:1") as running:
+        found = dict(running.rows([(0, 1, 2), (3,)]))
+    assert found == {
+        0: {"square": 0},
+        1: {"failed": "WorkerDied"},
+        2: {"square": 4},
+        3: {"square": 9},
+    }
 
 
 @pytest.mark.slow

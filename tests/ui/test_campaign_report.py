@@ -20,8 +20,8 @@ from adr_opt.problem.chasers import AtStation
 from adr_opt.problem.instance import Instance
 from adr_opt.ui import plot
 from adr_opt.ui.plot.budget import budgets
-from adr_opt.ui.plot.segments import segments
-from adr_opt.ui.plot.tracks import tracks
+from adr_opt.ui.plot.gantt import segments
+from adr_opt.ui.plot.strands import tracks
 from adr_opt.ui.plot.traffic import also_there, stays
 
 pytest.importorskip("plotly.graph_objects")

@@ -13,7 +13,7 @@ from two_chasers import HOME, OWN, campaign, planned
 import adr_opt
 from adr_opt.fly.dispersion import sample_flights
 from adr_opt.fly.flight import fly, fly_refined
-from adr_opt.fly.refine.holding import beginning
+from adr_opt.fly.refine.troubles import beginning
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedPlan
 from adr_opt.plan.routes import routes_of

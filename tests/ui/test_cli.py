@@ -20,7 +20,7 @@ import adr_opt
 from adr_opt.plan.plan import load_plan
 from adr_opt.run import methods
 from adr_opt.sources import generator
-from adr_opt.ui.cli.verbs import VERBS
+from adr_opt.ui.cli.entry import VERBS
 
 PYTHON = [sys.executable, "-m", "adr_opt"]
 
@@ -343,6 +343,18 @@ def test_methods_explains_one(cli: Cli) -> None:
     wrong = cli("methods", "magic")
     assert wrong.status == 2
     assert "method 'magic' is unknown; use one of: auto, beam" in wrong.err
+
+
+def test_a_method_that_went_says_so(cli: Cli, tiny_file: Path) -> None:
+    """A removed method is refused with the names of those that prove; its plans are still read."""
+    for verb in ("solve", "bound"):
+        gone = cli(verb, tiny_file, "--method", "cpsat")
+        assert gone.status == 2
+        assert "'cpsat' was removed in 2.0; use 'exact', or 'mip'" in gone.err
+    cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
+    plan = json.loads(Path("plan.json").read_text("utf-8")) | {"method": "cpsat"}
+    Path("plan.json").write_text(json.dumps(plan), "utf-8")
+    assert cli("check", tiny_file, "plan.json").status == 0
 
 
 def test_check_accepts_a_good_plan(cli: Cli, tiny_file: Path) -> None:

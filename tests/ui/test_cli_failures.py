@@ -17,7 +17,7 @@ from conftest import Cli, Outcome
 
 import adr_opt
 from adr_opt.common.errors import InputError, MissingExtra, failure
-from adr_opt.ui.cli.verbs import VERBS
+from adr_opt.ui.cli.entry import VERBS
 
 READ, CATALOGUE = "adr_opt.common.files.read_text", "adr_opt.sources.catalogue.read"
 

@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 from conftest import Cli
 from drifting_plans import drifting_instance, drifting_plan, with_a_tight_tank
-from plans import with_legs
+from plans import with_legs, write
 from toy_roads import as_rows, roads
 
 import adr_opt
 from adr_opt.fly.flight import mean_flight
 from adr_opt.fly.flight.mean_flight import fly_mean
-from adr_opt.plan.plan import Plan, load_plan
-from adr_opt.problem.instance import Instance, load
+from adr_opt.plan.plan import load_plan
+from adr_opt.problem.instance import load
 
 LEFT = re.compile(r"left in (?:the tank|each tank): (-?[\d.]+)")
 
@@ -30,12 +30,6 @@ def drawn(cli: Cli) -> Path:  # cli has chosen the folder
         adr_opt.generate("tiny", 0).replace(dynamics="j2").to_json(), encoding="utf-8"
     )
     return Path("my.json")
-
-
-def write(instance: Instance, plan: Plan) -> None:
-    """Write both where the command line runs."""
-    Path("my.json").write_text(instance.to_json(), encoding="utf-8")
-    plan.save("plan.json")
 
 
 SOLVE = ("solve", "my.json", "--method", "greedy-guarded", "--out", "plan.json")

@@ -67,31 +67,9 @@ def test_options_reach_the_instance(cli: Cli) -> None:
     """Epoch, filters, station and limits are those of the call; the rest is accounted for."""
     path = write("a.csv", as_csv(field(200)))
     outcome = cli(
-        "import",
-        path,
-        "--out",
-        "out.json",
-        "--epoch",
-        "2025-03-05T12:00:00",
-        "--json",
-        "--altitude",
-        ":900",
-        "--inclination",
-        "80:100",
-        "--raan",
-        "270:90",
-        "--name",
-        "deb",
-        "--max-targets",
-        "9",
-        "--station",
-        "750,86.4,10,20",
-        "--duration-days",
-        "3",
-        "--delta-v",
-        "1500",
-        "--dynamics",
-        "two-body",
+        f"import {path} --out out.json --epoch 2025-03-05T12:00:00 --json --altitude :900 "
+        "--inclination 80:100 --raan 270:90 --name deb --max-targets 9 --station "
+        "750,86.4,10,20 --duration-days 3 --delta-v 1500 --dynamics two-body"
     )
     assert outcome.status == 0
     told = json.loads(outcome.out)

@@ -18,7 +18,7 @@ from terminals import parts, read_until
 
 import adr_opt
 from adr_opt.plan.plan import load_plan
-from adr_opt.ui.cli.live import describe
+from adr_opt.ui.cli.bars import describe
 
 
 @pytest.mark.parametrize(

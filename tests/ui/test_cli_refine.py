@@ -59,19 +59,7 @@ def test_refine_fly_export(cli: Cli, mission: Instance) -> None:
 def test_refine_tells_json_and_takes_options(cli: Cli, mission: Instance) -> None:
     """`--gravity` and `--burns` reach the file, and `--json` prints totals and legs."""
     outcome = cli(
-        "refine",
-        "my.json",
-        "plan.json",
-        "--out",
-        "r.json",
-        "--gravity",
-        "j4",
-        "--burns",
-        "planned",
-        "--jobs",
-        "1",
-        "--json",
-        "--quiet",
+        "refine my.json plan.json --out r.json --gravity j4 --burns planned --jobs 1 --json --quiet"
     )
     assert (outcome.status, outcome.err) == (0, "")
     told = json.loads(outcome.out)

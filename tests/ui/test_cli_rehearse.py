@@ -179,16 +179,7 @@ def test_a_file_of_rehearsals_needs_a_plan(rehearsed, cli: Cli, tiny_file: Path)
     """A plan of `auto` may be another one at the next call, so that nothing could be resumed."""
     assert rehearsed("--samples", 1).status == 0
     outcome = cli(
-        "rehearse",
-        tiny_file,
-        "--uncertainty",
-        "u.json",
-        "--policy",
-        "replan",
-        "--samples",
-        1,
-        "--resume",
-        "r.jsonl",
+        f"rehearse {tiny_file} --uncertainty u.json --policy replan --samples 1 --resume r.jsonl"
     )
     assert outcome.status == 2
     assert "begin with a plan that is given" in outcome.err

@@ -208,22 +208,8 @@ def test_same_seed_same_plan_on_the_command_line(cli: Cli, tiny_file: Path) -> N
 def test_options_are_converted_by_their_defaults(cli: Cli, tiny_file: Path) -> None:
     """--option, --jobs and --iterations reach the planner with their types."""
     outcome = cli(
-        "solve",
-        tiny_file,
-        "--method",
-        "worker",
-        "--jobs",
-        "2",
-        "--iterations",
-        "7",
-        "--option",
-        "depth=5",
-        "--option",
-        "fast=true",
-        "--option",
-        "word=b=c",
-        "--option",
-        "limit=inf",
+        f"solve {tiny_file} --method worker --jobs 2 --iterations 7 --option depth=5 --option "
+        "fast=true --option word=b=c --option limit=inf"
     )
     assert outcome.status == 0
     assert "note: jobs 2 depth 5 fast True word b=c asked 7" in outcome.err

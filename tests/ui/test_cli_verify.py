@@ -111,16 +111,7 @@ def test_what_can_have_no_certificate_is_said_before_any_work(
 def test_where_nothing_was_proven_there_is_no_certificate(cli: Cli, instance: Instance) -> None:
     """The plan is on standard output all the same."""
     said = cli(
-        "solve",
-        "i.json",
-        "--method",
-        "auto",
-        "--option",
-        "prove=false",
-        "--iterations",
-        1,
-        "--certificate",
-        "c.json",
+        "solve i.json --method auto --option prove=false --iterations 1 --certificate c.json"
     )
     assert said.status == 2
     assert "has proven nothing" in said.err

@@ -14,7 +14,7 @@ from conftest import Cli
 from adr_opt.run.methods import BOUNDS, names
 from adr_opt.sources.generator import FAMILIES
 from adr_opt.ui.cli import complete
-from adr_opt.ui.cli.verbs import VERBS
+from adr_opt.ui.cli.entry import VERBS
 
 ROOT = Path(__file__).parents[2]
 

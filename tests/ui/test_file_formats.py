@@ -26,8 +26,7 @@ from adr_opt.sources.uncertainty.table import TargetErrorsFile
 from adr_opt.sources.worth.worth_file import WorthFile
 from adr_opt.ui.cli.entry import main
 from adr_opt.ui.cli.schema import SCHEMAS
-from adr_opt.ui.serve.project.record import ProjectRecord, StepRecord
-from adr_opt.ui.serve.project.result_record import ResultRecord
+from adr_opt.ui.serve.project.record import ProjectRecord, ResultRecord, StepRecord
 
 CATALOGUE = ROOT / "examples/catalogue/cloud.tle"
 

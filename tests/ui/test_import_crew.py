@@ -6,8 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from catalogue_files import as_csv, field
-from conftest import Cli
+from catalogue_files import field
 
 import adr_opt
 from adr_opt.common.constants import DAY_S
@@ -19,13 +18,6 @@ pytest.importorskip("sgp4.io")
 
 RECORDS = field(12)
 MASSES = ("--dry-mass", "500", "--propellant", "100", "--isp", "300")
-
-
-@pytest.fixture
-def imported(cli: Cli):
-    """`import` of a catalogue of twelve, with more options."""
-    Path("a.csv").write_text(as_csv(RECORDS), encoding="utf-8")
-    return lambda *more: cli("import", "a.csv", "--out", "out.json", *more)
 
 
 def test_launches_tanks_and_kits_reach_the_instance(imported) -> None:

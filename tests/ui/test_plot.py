@@ -17,8 +17,8 @@ from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import KeepOutZone
 from adr_opt.ui import plot
 from adr_opt.ui.plot.budget import budget
-from adr_opt.ui.plot.fields import raan_deg
-from adr_opt.ui.plot.tracks import tracks
+from adr_opt.ui.plot.nodes import raan_deg
+from adr_opt.ui.plot.strands import tracks
 
 matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("Agg")
@@ -120,7 +120,7 @@ def test_a_level_arc_is_two_points_and_a_ring_closes(flown) -> None:
         if track.phase in ("service", "refuelling", "phasing"):
             assert len(track.times_s) == 2
         assert len(track.around_m) < 130
-    ring = plot.tracks.ring(flown[0], "station")
+    ring = plot.strands.ring(flown[0], "station")
     np.testing.assert_allclose(ring[0], ring[-1], atol=1e-3)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from conftest import Cli
 from plans import solved, with_legs
+from report_data import data
 
 import adr_opt
 from adr_opt.fly.flight import fly
@@ -22,14 +23,14 @@ from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import KeepOutZone
 from adr_opt.ui import plot
-from adr_opt.ui.plot.tracks import tracks
+from adr_opt.ui.plot.strands import tracks
 
 plotly_graph_objects = pytest.importorskip("plotly.graph_objects")
 
 from adr_opt.ui.report import figures, page, write_report  # noqa: E402
-from adr_opt.ui.report.controls import leg_options  # noqa: E402
 from adr_opt.ui.report.facts import facts  # noqa: E402
 from adr_opt.ui.report.figures.orbits import MOST_RINGS  # noqa: E402
+from adr_opt.ui.report.space import leg_options  # noqa: E402
 
 ROOT = Path(__file__).parents[2]
 EVIL = (
@@ -100,13 +101,6 @@ class Outline(HTMLParser):
 def outline(text: str) -> Outline:
     """The outline of a page, without its scripts and its style."""
     return Outline(re.sub(r"(?s)<(script|style)\b[^>]*>.*?</\1>", "", text))
-
-
-def data(text: str) -> dict:
-    """What the script of a page draws from."""
-    found = re.search(r'(?s)<script type="application/json" id="mission">(.*?)</script>', text)
-    assert found is not None
-    return json.loads(found[1])
 
 
 def test_a_page_of_50_targets_is_under_6_mb(mission, tmp_path: Path) -> None:

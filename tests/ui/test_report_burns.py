@@ -19,7 +19,7 @@ import adr_opt
 from adr_opt.fly.trajectory import body_states
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
-from adr_opt.ui.plot.tracks import tracks
+from adr_opt.ui.plot.strands import tracks
 from adr_opt.ui.report import burns
 
 pytest.importorskip("plotly")

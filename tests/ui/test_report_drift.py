@@ -17,6 +17,7 @@ from drifting_plans import DAY_S, drifting_instance, drifting_plan, with_a_tight
 from hypothesis import given
 from hypothesis import strategies as st
 from plans import with_legs
+from report_data import data
 
 import adr_opt
 from adr_opt.fly.flight.mean_flight import fly_mean
@@ -27,7 +28,7 @@ from adr_opt.plan.refined_plan import Missing
 from adr_opt.ui import plot
 from adr_opt.ui.plot.budget import budget
 from adr_opt.ui.plot.nodes import Nodes, nodes_of, of_body, of_track
-from adr_opt.ui.plot.tracks import tracks
+from adr_opt.ui.plot.strands import tracks
 
 plotly_graph_objects = pytest.importorskip("plotly.graph_objects")
 
@@ -41,13 +42,6 @@ def words(text: str) -> str:
     """What stands on a page, without scripts, style and tags."""
     text = re.sub(r"(?s)<(script|style)\b[^>]*>.*?</\1>", "", text)
     return " ".join(re.sub(r"<[^>]*>", " ", text).split())
-
-
-def data(text: str) -> dict:
-    """What the script of a page draws from."""
-    found = re.search(r'(?s)<script type="application/json" id="mission">(.*?)</script>', text)
-    assert found is not None
-    return json.loads(found[1])
 
 
 @given(

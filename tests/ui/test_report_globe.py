@@ -13,14 +13,14 @@ import browser
 import numpy as np
 import page_access
 import pytest
+from report_data import body_at
 from two_chasers import campaign, planned
 
 from adr_opt.kernels.orbits.sunlight import shadow
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.instance import Instance
-from adr_opt.ui.report.greenwich import J2000
-from adr_opt.ui.report.sun import Sun, sun
+from adr_opt.ui.report.sun import J2000, Sun, sun
 
 pytest.importorskip("plotly.graph_objects")
 
@@ -110,22 +110,13 @@ def press(tab: browser.Browser, where: str, key: str) -> None:
     )
 
 
-def body_at(body: dict[str, Any], time_s: float) -> tuple[np.ndarray, bool]:
-    """Where the page has a body, and whether its circle is in sunlight there."""
+def is_lit(body: dict[str, Any], time_s: float) -> bool:
+    """Whether the circle of a body is in sunlight where the body is."""
     radius, inclination, node, node_rate, latitude, latitude_rate = body["row"]
-    o, u = node + node_rate * time_s, latitude + latitude_rate * time_s
-    ascending = np.array([math.cos(o), math.sin(o), 0.0])
-    ahead = np.array(
-        [
-            -math.sin(o) * math.cos(inclination),
-            math.cos(o) * math.cos(inclination),
-            math.sin(inclination),
-        ]
-    )
     since = (in_spring()[0].epoch - J2000).total_seconds() + time_s
-    dark = shadow(radius, inclination, o, since)
-    is_lit = abs(math.remainder(u - dark.middle, 2.0 * math.pi)) > dark.half
-    return radius * (math.cos(u) * ascending + math.sin(u) * ahead), is_lit
+    dark = shadow(radius, inclination, node + node_rate * time_s, since)
+    u = latitude + latitude_rate * time_s
+    return abs(math.remainder(u - dark.middle, 2.0 * math.pi)) > dark.half
 
 
 @with_browser
@@ -166,12 +157,12 @@ def test_the_globe_without_a_mouse(tmp_path: Path) -> None:
             body = held["motion"]["bodies"][facts["to"]]
             for share in np.linspace(0.05, 0.95, 10):
                 then = leg.docked_s + share * (leg.end_s - leg.docked_s)
-                moments.setdefault(body_at(body, then)[1], (then, body, facts["chaser"]))
+                moments.setdefault(is_lit(body, then), (then, body, facts["chaser"]))
         assert set(moments) == {True, False}
         for then, body, row in moments.values():
             now = set_time(tab, then)
-            place, is_lit = body_at(body, now)
-            cell = CELL.format(row, "sunlight" if is_lit else "shadow")
+            place, lit = body_at(body, now), is_lit(body, now)
+            cell = CELL.format(row, "sunlight" if lit else "shadow")
             tab.wait_for(cell)
 
         # The view that follows a chaser has it in its middle, from where the whole is seen.

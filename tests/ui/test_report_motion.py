@@ -14,6 +14,7 @@ import browser
 import numpy as np
 import pytest
 from drifting_plans import drifting_instance, drifting_plan
+from report_data import body_at
 from two_chasers import OWN, campaign, planned
 
 from adr_opt import generate
@@ -22,9 +23,9 @@ from adr_opt.fly.trajectory.kepler import turned
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.instance import Instance
-from adr_opt.ui.plot.tracks import tracks
-from adr_opt.ui.report.greenwich import greenwich, sidereal_angle_rad, sidereal_rate_rad_s
+from adr_opt.ui.plot.strands import tracks
 from adr_opt.ui.report.motion import motion
+from adr_opt.ui.report.sun import greenwich, sidereal_angle_rad, sidereal_rate_rad_s
 
 DAY_S = 86400.0
 TURN = 2.0 * math.pi
@@ -39,21 +40,6 @@ def mission(kind: str) -> tuple[Instance, Plan, dict[str, Any]]:
     }[kind]()
     held = json.loads(json.dumps(motion(instance, plan, tracks(instance, plan))))
     return instance, plan, held
-
-
-def body_at(body: dict[str, Any], time_s: float) -> np.ndarray:
-    """Where the page has a body."""
-    radius, inclination, node, node_rate, latitude, latitude_rate = body["row"]
-    o, u = node + node_rate * time_s, latitude + latitude_rate * time_s
-    ascending = np.array([math.cos(o), math.sin(o), 0.0])
-    ahead = np.array(
-        [
-            -math.sin(o) * math.cos(inclination),
-            math.cos(o) * math.cos(inclination),
-            math.sin(inclination),
-        ]
-    )
-    return radius * (math.cos(u) * ascending + math.sin(u) * ahead)
 
 
 def arc_at(arc: list[Any], time_s: float) -> np.ndarray:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import re
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -13,6 +11,7 @@ import browser
 import numpy as np
 import pytest
 from plans import with_legs
+from report_data import data
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
@@ -21,10 +20,10 @@ from adr_opt.plan.palette import chaser_colours
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.routes import routes_of
 from adr_opt.problem.instance import Instance
-from adr_opt.sources.generator.removal import LIGHT_KG
+from adr_opt.sources.generator.rocket_bodies import LIGHT_KG
 from adr_opt.ui import plot
-from adr_opt.ui.plot.mass import masses
-from adr_opt.ui.plot.segments import segments
+from adr_opt.ui.plot.budget import masses
+from adr_opt.ui.plot.gantt import segments
 from adr_opt.ui.plot.thrust_arcs import thrust_arcs
 
 pytest.importorskip("plotly.graph_objects")
@@ -47,13 +46,6 @@ def electric() -> tuple[Instance, Plan]:
     assert adr_opt.check(instance, plan) == ()
     assert sum(leg.manoeuvres is not None for leg in plan.legs) >= 3
     return instance, plan
-
-
-def data(text: str) -> dict:
-    """What the script of a page draws from."""
-    found = re.search(r'(?s)<script type="application/json" id="mission">(.*?)</script>', text)
-    assert found is not None
-    return json.loads(found[1])
 
 
 @pytest.mark.slow

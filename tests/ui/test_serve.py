@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 from conftest import Cli, refused
 from hand_made import hand_made
-from serve_desks import at_hand, files_under, of, session_of, wait
+from serve_desks import at_hand, files_under, of, session_of, until, wait
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -26,7 +26,7 @@ from adr_opt.problem.instance import Instance
 from adr_opt.run import front
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.looks import PlanningOrder
+from adr_opt.ui.serve.planning import PlanningOrder
 from adr_opt.ui.serve.session import EditingSession
 from adr_opt.ui.serve.work import Work
 
@@ -35,10 +35,8 @@ pytest.importorskip("uvicorn")
 testclient = pytest.importorskip("starlette.testclient")
 
 from adr_opt.ui.serve import guard  # noqa: E402
-from adr_opt.ui.serve.app import application  # noqa: E402
-from adr_opt.ui.serve.desk import Desk  # noqa: E402
-from adr_opt.ui.serve.events import told  # noqa: E402
-from adr_opt.ui.serve.reported import ShownReport  # noqa: E402
+from adr_opt.ui.serve.app import ShownReport, application, event_stream  # noqa: E402
+from adr_opt.ui.serve.backend import Backend  # noqa: E402
 
 TOKEN, PORT = "a-token", 8123
 GREEDY = {"method": "greedy-guarded", "time_limit_s": 20.0}
@@ -67,7 +65,7 @@ def desk(world: Path) -> Iterator[EditingSession]:
 
 def let_in(desk: EditingSession, **more: Any) -> Any:
     """A client that has the token."""
-    app = application(Desk(desk), TOKEN, PORT, threading.Event())
+    app = application(Backend(desk), TOKEN, PORT, threading.Event())
     client = testclient.TestClient(app, base_url=f"http://127.0.0.1:{PORT}", **more)
     client.cookies.set(f"adr-opt-{PORT}", TOKEN)
     return client
@@ -285,7 +283,7 @@ def test_what_cannot_be_planned_is_said_on_the_page(desk: EditingSession) -> Non
         answer = client.post("/plan", json=wrong)
         assert answer.status_code == 422
         assert named in answer.json()["error"]
-    assert desk.look().phase == "idle"
+    assert desk.progress().phase == "idle"
     client.post("/plan", json=GREEDY)
     assert wait(desk).phase == "done"
     assert client.get("/state").json()["plan"] is not None
@@ -303,7 +301,7 @@ def heard(desk: EditingSession, until: str, seconds: float = 60.0) -> list[tuple
 
     async def listen() -> list[tuple[str, Any]]:
         found, end = [], time.monotonic() + seconds
-        async for text in told(Desk(desk), threading.Event()):
+        async for text in event_stream(Backend(desk), threading.Event()):
             event, data = text.removesuffix("\n\n").split("\n")
             found.append((event.removeprefix("event: "), json.loads(data.removeprefix("data: "))))
             assert time.monotonic() < end
@@ -389,30 +387,24 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
 
     made, field = Work(done), adr_opt.generate("tiny", 0)
 
-    def until(condition: Any) -> None:
-        end = time.monotonic() + 60.0
-        while not condition():
-            assert time.monotonic() < end, made.look()
-            time.sleep(0.01)
-
     made.begin(field, PlanningOrder("patient", 3600.0), None)
-    until(lambda: made.look().incumbent == 1.0)
-    look = made.look()
+    until(lambda: made.progress().incumbent == 1.0)
+    look = made.progress()
     assert (look.phase, look.bound, look.runs, look.stopping) == ("planning", 4.0, True, False)
     made.begin(field.replace(name="second"), PlanningOrder("patient", 3600.0), None)
-    until(lambda: made.look().incumbent == 1.0)
-    assert made.look().number == 2
+    until(lambda: made.progress().incumbent == 1.0)
+    assert made.progress().number == 2
     assert results == [("tiny-000", 3.0)]  # what every method falls back on
     made.stop()
     assert made.wait(60.0)
-    look = made.look()
+    look = made.progress()
     assert (look.number, look.phase, look.said, look.stopping) == (2, "done", "well", True)
     assert [name for name, _ in results] == ["tiny-000", "second"]
     made.begin(field, PlanningOrder("patient", 3600.0), None)
     made.begin(field, PlanningOrder("patient", 3600.0), None)
     made.stop()
     assert made.wait(60.0)
-    assert made.look().number == 4
+    assert made.progress().number == 4
 
 
 @pytest.mark.parametrize(

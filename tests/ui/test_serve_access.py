@@ -10,11 +10,9 @@ import socket
 import stat
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
 from interruptible import CHILD
@@ -22,10 +20,10 @@ from interruptible import CHILD
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
-from serve_desks import session_of
+from serve_desks import session_of, until
 
-from adr_opt.ui.serve import connections
-from adr_opt.ui.serve.desk import Desk
+from adr_opt.ui.serve import server as serving
+from adr_opt.ui.serve.backend import Backend
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.server import Server, listening
 
@@ -33,7 +31,7 @@ from adr_opt.ui.serve.server import Server, listening
 @pytest.fixture
 def server(tmp_path: Path) -> Iterator[Server]:
     """A server on a new project."""
-    desk = Desk(session_of(None, None, Folder(tmp_path / "project")))
+    desk = Backend(session_of(None, None, Folder(tmp_path / "project")))
     made = Server(desk, listening())
     made.start()
     yield made
@@ -77,22 +75,14 @@ def ended(one: socket.socket) -> bool:
         return True
 
 
-def until(condition: Callable[[], Any]) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
 def test_strangers_keep_nobody_out(server: Server) -> None:
     """A hundred idle connections without the token leave room for those that have it."""
     first = Known(server)
     assert first.asks() == 200
     strangers = idle(server, 100)
     try:
-        until(lambda: sum(map(ended, strangers)) >= 100 - connections.MOST_STRANGERS)
-        assert sum(map(ended, strangers)) == 100 - connections.MOST_STRANGERS
+        until(lambda: sum(map(ended, strangers)) >= 100 - serving.MOST_STRANGERS)
+        assert sum(map(ended, strangers)) == 100 - serving.MOST_STRANGERS
         assert first.asks() == 200
         later = Known(server)
         assert (later.asks(), later.asks()) == (200, 200)
@@ -125,7 +115,7 @@ def test_a_connection_without_the_token_does_not_last(
     server: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Who says nothing, or half of something, or has no token, is cut off; the others stay."""
-    monkeypatch.setattr(connections, "PATIENCE_S", 0.5)
+    monkeypatch.setattr(serving, "PATIENCE_S", 0.5)
     known = Known(server)
     assert known.asks() == 200
     silent, slow, wrong = idle(server, 3)

@@ -24,7 +24,7 @@ from adr_opt.common.errors import InputError
 from adr_opt.ui.serve.jobs import queue
 from adr_opt.ui.serve.jobs.job import Job
 from adr_opt.ui.serve.jobs.verbs import VERBS
-from adr_opt.ui.serve.project.result_record import ResultRecord
+from adr_opt.ui.serve.project.record import ResultRecord
 from adr_opt.ui.serve.project.results import Results, now
 
 pytest.importorskip("starlette")

@@ -18,7 +18,7 @@ from adr_opt.ui.serve import history as steps
 from adr_opt.ui.serve.drafts import Draft, read_edit, told
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.history import History
-from adr_opt.ui.serve.looks import PlanningOrder
+from adr_opt.ui.serve.planning import PlanningOrder
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")

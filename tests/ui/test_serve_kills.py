@@ -11,7 +11,6 @@ import stat
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -21,12 +20,12 @@ from urllib.parse import urlsplit
 import pytest
 from conftest import Cli, refused
 from hand_made import hand_made
-from serve_desks import session_of
+from serve_desks import session_of, until
 
 import adr_opt
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.looks import PlanningOrder
 from adr_opt.ui.serve.planner_process import PlannerProcess
+from adr_opt.ui.serve.planning import PlanningOrder
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
@@ -121,14 +120,6 @@ def alive(process: int) -> bool:
     return False
 
 
-def until(condition: Any) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
 @pytest.mark.slow
 def test_a_killed_server_leaves_what_was_done_and_nothing_else(tmp_path: Path, cli: Cli) -> None:
     """Files are private, the folder has one server, and its processes end with it."""
@@ -170,16 +161,20 @@ def test_a_planning_process_that_dies_is_said_and_replaced(tmp_path: Path) -> No
         work.begin(
             adr_opt.generate("nominal", 0, targets=30), PlanningOrder("local-search", 3600.0), None
         )
-        until(lambda: work.look().phase == "planning")
+        until(lambda: work.progress().phase == "planning")
         assert work._process is not None
         os.kill(work._process.pid, signal.SIGKILL)
         assert work.wait(60.0)
-        look = work.look()
+        look = work.progress()
         assert (look.number, look.phase) == (1, "failed")
         assert look.said.startswith("the process that plans has ended by signal 9")
         work.begin(hand_made(), PlanningOrder("greedy-guarded", 20.0), None)
         assert work.wait(60.0)
-        assert (work.look().number, work.look().phase, work.look().said) == (2, "done", "well")
+        assert (work.progress().number, work.progress().phase, work.progress().said) == (
+            2,
+            "done",
+            "well",
+        )
         assert len(results) == 1
     finally:
         work.close()

@@ -5,20 +5,20 @@ from __future__ import annotations
 import io
 import json
 import os
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hand_made import hand_made
+from serve_desks import until
 
 import adr_opt
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.ui.serve import planner_process
-from adr_opt.ui.serve.looks import Look, PlanningOrder
 from adr_opt.ui.serve.planner_process import PlannerProcess
+from adr_opt.ui.serve.planning import PlanningOrder, PlanningProgress
 
 ORDER = PlanningOrder("greedy-guarded", 5.0)
 
@@ -84,14 +84,6 @@ def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
     made.planner.close()
 
 
-def until(condition: Callable[[], bool]) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.01)
-
-
 def test_last_words_of_a_dead_process_are_of_its_own_run(stage: Stage) -> None:
     """Heard after the next order, they are of the run before it, which ends before that begins."""
     first, second = adr_opt.generate("tiny", 1), hand_made()
@@ -104,17 +96,17 @@ def test_last_words_of_a_dead_process_are_of_its_own_run(stage: Stage) -> None:
     stage.planner.begin(second, ORDER, None)
     stage.puppets[1].say("found", number=1, plan=other.to_json())
     stage.puppets[0].say("found", number=1, plan=plan.to_json())
-    look = {**vars(Look(1, "done")), "points": []}
-    stage.puppets[0].say("look", look=look)
+    look = {**vars(PlanningProgress(1, "done")), "points": []}
+    stage.puppets[0].say("progress", progress=look)
     stage.puppets[0].fall_silent()
     until(lambda: any(name == second.name for name, _ in stage.found))
     assert stage.found[0] == (first.name, first.name)
     assert stage.found[-1] == (second.name, second.name)
-    assert stage.planner.look().number == 2
-    assert stage.planner.look().runs
-    stage.puppets[1].say("look", look=look)
-    until(lambda: not stage.planner.look().runs)
-    assert stage.planner.look().number == 2
+    assert stage.planner.progress().number == 2
+    assert stage.planner.progress().runs
+    stage.puppets[1].say("progress", progress=look)
+    until(lambda: not stage.planner.progress().runs)
+    assert stage.planner.progress().number == 2
 
 
 def test_all_runs_of_a_dead_process_end(stage: Stage) -> None:
@@ -128,7 +120,7 @@ def test_all_runs_of_a_dead_process_end(stage: Stage) -> None:
     stage.puppets[0].fall_silent()
     assert stage.planner.wait(60.0)
     assert stage.found == [(name, None) for name in names]
-    assert stage.planner.look().phase == "failed"
+    assert stage.planner.progress().phase == "failed"
 
 
 def test_a_dead_process_is_ended_though_the_next_has_begun(stage: Stage) -> None:
@@ -140,5 +132,5 @@ def test_a_dead_process_is_ended_though_the_next_has_begun(stage: Stage) -> None
     stage.puppets[0].fall_silent()
     until(lambda: bool(stage.found))
     assert stage.found == [(first.name, None)]
-    assert stage.planner.look().number == 2
-    assert stage.planner.look().runs
+    assert stage.planner.progress().number == 2
+    assert stage.planner.progress().runs

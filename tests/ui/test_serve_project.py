@@ -19,16 +19,13 @@ from serve_desks import session_of
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.problem.settings import TransferSettings
-from adr_opt.ui.cli.verbs import command
-from adr_opt.ui.serve import kept_history
+from adr_opt.ui.cli.entry import command
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.forms.fields import form_fields
 from adr_opt.ui.serve.jobs.verbs import VERBS
 from adr_opt.ui.serve.objects.import_options import OPTIONS
-from adr_opt.ui.serve.project import result_record
-from adr_opt.ui.serve.project.record import json_schema
-from adr_opt.ui.serve.project.result_record import KEPT_VERBS
+from adr_opt.ui.serve.project.record import KEPT_VERBS, ProjectRecord, ResultRecord
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
@@ -134,10 +131,10 @@ def test_from_a_catalogue_to_a_checked_plan_and_back(tmp_path: Path) -> None:
         told = json.loads(made.read("project/project.json"))
         results = [json.loads(made.read(name)) for name in names if name.endswith("/result.json")]
     assert {"project/instance.json", "project/plan.json", "project/files/1-all-.tle"} <= set(names)
-    jsonschema.validate(told, json_schema())
+    jsonschema.validate(told, ProjectRecord.json_schema())
     assert len(results) == len(rows)
     for each in results:
-        jsonschema.validate(each, result_record.json_schema())
+        jsonschema.validate(each, ResultRecord.json_schema())
     at.post("/undo")
     assert at.get("/state")["redoes"] == "chasers changed"
     at.close()
@@ -195,7 +192,7 @@ def test_a_history_forgets_its_beginning_where_it_is_too_large(
     """Beyond the limit on size the earliest steps go, and the folder keeps what is left."""
     at.drop("x", hand_made().to_json().encode())
     size = len(hand_made().to_json())
-    monkeypatch.setattr(kept_history, "MOST_BYTES", 4 * size)
+    monkeypatch.setattr("adr_opt.ui.serve.project_keeper.MOST_BYTES", 4 * size)
     for prize in range(2, 9):
         edit = {"targets": {"names": ["north"], "prize": float(prize)}}
         at.session.edit(read_edit(json.dumps(edit)))

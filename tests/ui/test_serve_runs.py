@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import errno
 import math
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hand_made import hand_made
-from serve_desks import session_of
+from serve_desks import session_of, until
 
 import adr_opt
 from adr_opt.common.progress import Relayed, show_plan, tell_plan
@@ -20,21 +18,13 @@ from adr_opt.mission.problem import problem_of
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.run import front
-from adr_opt.ui.serve import incumbents
+from adr_opt.ui.serve import work
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.looks import PlanningOrder
+from adr_opt.ui.serve.planning import PlanningOrder
 from adr_opt.ui.serve.project import results
 from adr_opt.ui.serve.session import EditingSession
 
 HALF, WHOLE = ("south",), ("south", "station", "beyond")
-
-
-def until(condition: Callable[[], bool]) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.01)
 
 
 def numbers(names: tuple[str, ...]) -> tuple[int, ...]:
@@ -63,15 +53,12 @@ def test_plans_are_shown_to_those_that_want_to_see_them() -> None:
 
 @pytest.mark.parametrize(
     ("method", "chasers"),
-    [
-        (method, 1)
-        for method in ("auto", "exact", "local-search", "beam", "mcts", "ortools", "cpsat")
-    ]
+    [(method, 1) for method in ("auto", "exact", "local-search", "beam", "mcts", "ortools")]
     + [(method, 2) for method in ("auto", "exact", "ortools")],
 )
 def test_planners_show_legal_plans(method: str, chasers: int) -> None:
     """What a planner shows are routes that can be flown, the last as good as its result."""
-    if method in ("ortools", "cpsat"):
+    if method == "ortools":
         pytest.importorskip("ortools")
     instance, shown = hand_made(), list[Any]()
     one = instance.chasers[0]
@@ -210,11 +197,9 @@ def test_an_unfinished_plan_is_taken_up(session: EditingSession, tmp_path: Path)
 
 def test_a_watch_makes_plans_of_the_best_routes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Routes that are better than those before become plans; half a plan and worse ones do not."""
-    monkeypatch.setattr(incumbents, "PAUSE_S", 0.01)
+    monkeypatch.setattr(work, "PAUSE_S", 0.01)
     found: list[Plan] = []
-    watch = incumbents.IncumbentWatch(
-        problem_of(hand_made()), PlanningOrder("beam", 1.0), found.append
-    )
+    watch = work.IncumbentWatch(problem_of(hand_made()), PlanningOrder("beam", 1.0), found.append)
     with watch:
         for routes, count in (
             ((numbers(HALF),), 1),

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import socket
 import threading
-import time
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import browser
 import pytest
 from hand_made import hand_made
 from serve_catalogue import catalogue
-from serve_desks import session_of
+from serve_desks import session_of, until
 from serve_tab import Tabs, click, drop, on_page, put, text
 
 for package in ("plotly", "starlette", "uvicorn", "sgp4"):
@@ -20,7 +19,7 @@ for package in ("plotly", "starlette", "uvicorn", "sgp4"):
 
 from adr_opt.common.errors import InputError  # noqa: E402
 from adr_opt.ui.serve import app  # noqa: E402
-from adr_opt.ui.serve.desk import Desk  # noqa: E402
+from adr_opt.ui.serve.backend import Backend  # noqa: E402
 from adr_opt.ui.serve.folder import Folder  # noqa: E402
 from adr_opt.ui.serve.server import Server, listening  # noqa: E402
 
@@ -38,19 +37,19 @@ def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[browser.Browser]:
 
 
 @pytest.fixture
-def desk(tmp_path: Path) -> Iterator[Desk]:
+def desk(tmp_path: Path) -> Iterator[Backend]:
     """A desk with a mission."""
-    made = Desk(session_of(hand_made(), None, Folder(tmp_path / "work", tmp_path / "my.json")))
+    made = Backend(session_of(hand_made(), None, Folder(tmp_path / "work", tmp_path / "my.json")))
     yield made
     assert made.close(60.0)
 
 
 @pytest.fixture
-def streams(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, list[int]]]:
+def streams(desk: Backend, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, list[int]]]:
     """Address of a server in this process, and which of its streams are open."""
     said, held, count = app.told, [], iter(range(1000))
 
-    async def counted(desk: Desk, closing: threading.Event) -> AsyncIterator[str]:
+    async def counted(desk: Backend, closing: threading.Event) -> AsyncIterator[str]:
         number = next(count)
         held.append(number)
         try:
@@ -64,14 +63,6 @@ def streams(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, 
     server.start()
     yield server.url, held
     server.close()
-
-
-def until(condition: Callable[[], bool]) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + 20.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.01)
 
 
 SEEN = "document.visibilityState === 'visible'"
@@ -145,7 +136,7 @@ def ended(tab: browser.Browser, said: str) -> None:
 
 
 def test_a_page_whose_server_has_ended_says_so_once_and_asks_no_more(
-    tab: browser.Browser, desk: Desk
+    tab: browser.Browser, desk: Backend
 ) -> None:
     """After a few tries no request comes any more, neither by itself nor by pressing a button."""
     server = Server(desk, listening())
@@ -157,7 +148,7 @@ def test_a_page_whose_server_has_ended_says_so_once_and_asks_no_more(
     assert asked(server.port) == 0
 
 
-def test_a_page_of_an_earlier_server_follows_no_other(tab: browser.Browser, desk: Desk) -> None:
+def test_a_page_of_an_earlier_server_follows_no_other(tab: browser.Browser, desk: Backend) -> None:
     """Where another one is started at its port, the page says so and changes nothing there."""
     first = Server(desk, listening())
     first.start()
@@ -192,7 +183,7 @@ def shown(tab: browser.Browser) -> list[str]:
 
 
 def test_a_failure_is_the_headline_without_figures_of_another_run(
-    tab: browser.Browser, desk: Desk, monkeypatch: pytest.MonkeyPatch
+    tab: browser.Browser, desk: Backend, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The reason stands first, also when the page is loaded anew, until a plan is shown again."""
     server = Server(desk, listening())
@@ -232,7 +223,7 @@ def test_a_failure_is_the_headline_without_figures_of_another_run(
 
 
 def test_what_is_wrong_in_a_file_stands_beside_it(
-    tab: browser.Browser, tmp_path: Path, desk: Desk
+    tab: browser.Browser, tmp_path: Path, desk: Backend
 ) -> None:
     """Bad rows have place and cause, a refused file its reason, and both can be removed."""
     lines = catalogue(4).decode().splitlines()

@@ -20,7 +20,7 @@ from serve_catalogue import catalogue
 from serve_tab import click, drag, drop, look, on_page, put, served, text
 
 import adr_opt
-from adr_opt.ui.serve.launch import LaunchFile
+from adr_opt.ui.serve.server import LaunchFile
 
 for package in ("plotly", "starlette", "uvicorn", "sgp4"):
     pytest.importorskip(package)

@@ -17,9 +17,9 @@ from adr_opt.fly.trajectory import sample
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import AtStation, InOrbit
 from adr_opt.problem.instance import Instance
-from adr_opt.ui.plot import segments
+from adr_opt.ui.plot.gantt import segments
 from adr_opt.ui.report import page
-from adr_opt.ui.report.figures.planes import planes
+from adr_opt.ui.report.figures.orbits import planes
 
 
 def two_stations(tiny: Instance) -> Instance:

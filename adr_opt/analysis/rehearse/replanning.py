@@ -17,10 +17,10 @@ from ...plan.plan import Leg, Tow
 from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
-from ..launch_windows import in_order
-from ..remaining_instance import remaining_instance
-from ..rest import PlannerChoice, planned_rest
-from ..state import ChaserState
+from ..replan.chaser_states import ChaserState
+from ..replan.remaining_instance import remaining_instance
+from ..replan.remaining_plan import PlannerChoice, plan_remaining
+from ..replan.starts import in_order
 from .expectation import expectation_of
 from .flight import Halt, Situation
 from .flying_chasers import (
@@ -134,7 +134,7 @@ class AtEveryService:
                 rest = remaining_instance(instance, known, gone, at_s, missed)
                 return None if rest is None else self._expectation.expected(rest, cautious=cautious)
 
-            rest = planned_rest(wanted, left, states, former, choice)
+            rest = plan_remaining(wanted, left, states, former, choice)
             if rest.result.plan is not None:
                 break
         else:

@@ -20,7 +20,7 @@ from ...problem.instance import Instance
 from ...problem.numbering import LEO
 from ...problem.settings import MissionSettings, TransferSettings
 from ...problem.world import DrawnWorld
-from ..state import heavier
+from ..replan.chaser_states import heavier
 from .flight import FlownMission
 from .flying_chasers import DRY, LATE, REFUELLED, SERVICED, FlyingChaser, Made, full_of
 from .intended import intended

@@ -9,7 +9,7 @@ from ...common.constants import SLACK_S
 from ...kernels.legs import found as families
 from ...kernels.rules.loads import after_service
 from ...kernels.tables.on_demand import Source, at_regular_events, shortest_sortie
-from ...kernels.tables.rows_of_body import from_source
+from ...kernels.tables.timetable import from_source
 from ...learning.next_leg.choices import Choices
 from ...learning.next_leg.near_orbits import NearOrbits
 from ...learning.next_leg.onward import OnwardLegs, onward, unknown

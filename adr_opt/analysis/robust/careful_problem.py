@@ -12,8 +12,7 @@ import math
 from statistics import NormalDist
 
 from ...common.errors import InputError
-from ...legs.corrections import Corrections
-from ...legs.risk_charge import CERTAIN, Moments, RiskCharge
+from ...legs.corrections import CERTAIN, Corrections, Moments, RiskCharge
 from ...mission.problem import Problem
 from ...plan.leg_kinds import leg_kinds
 from ...problem.instance import Instance

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from ...mission.result import Result
@@ -94,35 +94,16 @@ class RobustPlan:
     def result(self) -> Result:
         """The plan as the result of a planner; what is proven is not proven of all plans."""
         plan, notes = self.plan, self.notes
+        made = Result(self.method, seed=self.seed, runtime_s=self.runtime_s)
         status: Status = "infeasible" if self.infeasible else "unknown"
         if plan is None:
-            return Result(
-                self.method,
-                None,
-                None,
-                -math.inf,
-                math.inf,
-                status,
-                {},
-                self.seed,
-                self.runtime_s,
-                notes,
-            )
+            return replace(made, status=status, notes=notes)
         plan = plan.replace(
             notes=(*plan.notes, *notes),
             method=self.method,
             seed=self.seed,
             runtime_s=self.runtime_s,
         )
-        return Result(
-            self.method,
-            None,
-            plan,
-            plan.objective,
-            math.inf,
-            plan.status,
-            {},
-            self.seed,
-            self.runtime_s,
-            plan.notes,
+        return replace(
+            made, plan=plan, objective=plan.objective, status=plan.status, notes=plan.notes
         )

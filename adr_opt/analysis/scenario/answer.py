@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from ...sources.csv_table import csv_text
 from ...sources.worth.air import FLOAT
 from .futures import Scenario
 from .records import CASES, YearRecord
@@ -228,7 +227,7 @@ def removals_csv(made: Scenario, species: Mapping[str, str] = SPECIES) -> str:
                 f"u_r_{name}{shell + 1}",
             )
         )
-    return _csv(REMOVALS, rows)
+    return csv_text(REMOVALS, rows)
 
 
 def outside(made: Scenario) -> int:
@@ -272,12 +271,4 @@ def yearly_csv(made: Scenario) -> str:
                         "" if error is None else f"{error[year, kind, shell]:.3g}",
                     )
                 )
-    return _csv(YEARLY, rows)
-
-
-def _csv(header: tuple[str, ...], rows: Sequence[tuple[object, ...]]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    return text.getvalue()
+    return csv_text(YEARLY, rows)

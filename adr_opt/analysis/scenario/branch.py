@@ -11,7 +11,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...kernels.orbits.keyed_draws import mixed
-from ...sources.worth.lifetimes import YEAR_S
+from ...sources.worth.air import YEAR_S
 from ...sources.worth.pairs import INDICES
 from .clouds import EXPLOSION_FRAGMENTS, FragmentCloud, fragments_by_shell, rings_of
 from .events import collisions_of, explosions_of

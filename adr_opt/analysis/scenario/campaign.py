@@ -10,8 +10,8 @@ from ...kernels.orbits.keyed_draws import keyed_draws
 from ...plan.plan import Leg, Plan
 from ...problem.instance import Instance
 from ...run.front import solve
-from ..replan import replan
-from ..state import states_at
+from ..replan.chaser_states import states_at
+from ..replan.replanning import replan
 from .events import CAMPAIGNS, CAPTURES
 from .offer import Offer
 from .records import Attempt, FlownCampaign

@@ -8,15 +8,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M
-from ...sources.worth.air import FLOAT
-from ...sources.worth.breakup import ALTITUDE_STEP_M, KINDS, area_shares, fragment_sizes
-from ...sources.worth.lifetimes import (
+from ...sources.worth.air import (
     DRAG_COEFFICIENT,
+    FLOAT,
     HIGHEST_M,
     LOWEST_M,
     YEAR_S,
     circular_drag_times,
 )
+from ...sources.worth.breakup import ALTITUDE_STEP_M, KINDS, area_shares, fragment_sizes
 from ...sources.worth.pairs import INDICES
 from .settings import AltitudeShells
 

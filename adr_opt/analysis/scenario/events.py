@@ -11,15 +11,12 @@ import numpy as np
 from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...kernels.orbits.collisions import CollidingObjects, CollisionTables
-from ...kernels.orbits.drawn_collisions import drawn_collisions
+from ...kernels.orbits.drawn_collisions import HitKeys, drawn_collisions, fragment_hits
 from ...kernels.orbits.encounters import LEAST_WIDTH_M
-from ...kernels.orbits.fragment_hits import HitKeys, fragment_hits
 from ...kernels.orbits.keyed_draws import keyed_draws
-from ...sources.worth.air import FLOAT
+from ...sources.worth.air import FLOAT, YEAR_S
 from ...sources.worth.breakup import CATASTROPHIC_J_KG, FRAGMENTS
-from ...sources.worth.lifetimes import YEAR_S
-from ...sources.worth.pairs import block_ends, threads
-from ...sources.worth.speeds import mean_speeds
+from ...sources.worth.pairs import block_ends, mean_speeds, threads
 from .clouds import FragmentRings, fragment_area_m2
 from .population import ObjectPopulation
 from .records import Collision, Explosion, YearRates

@@ -8,7 +8,6 @@ is launched again. Nodes, perigees and anomalies are drawn.
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from collections.abc import Sequence
@@ -22,6 +21,7 @@ from ...common.errors import InputError
 from ...common.files import read_text
 from ...kernels.orbits.keyed_draws import keyed_draws
 from ...sources.catalogue.records import ElementSet, shown
+from ...sources.csv_table import csv_number, csv_rows
 from ...sources.worth.air import ALTITUDES_KM
 from ...sources.worth.bodies import BY_SIZE, TABLE, Bodies
 from .population import ObjectPopulation, padded
@@ -78,30 +78,16 @@ def read_launches(path: str | os.PathLike[str]) -> tuple[Launch, ...]:
     InputError
         It cannot be read, a column is unknown or missing, or a value is out of range.
     """
-    text = read_text(path).removeprefix("\ufeff")
-    rows = csv.reader(text.splitlines(), strict=True, skipinitialspace=True)
-    header: list[str] = []
-    found = []
-    try:
-        for row in rows:
-            cells, where = [cell.strip() for cell in row], f"{path}: line {rows.line_num}"
-            if not any(cells):
-                continue
-            if not header:
-                header = [cell.casefold() for cell in cells]
-                if sorted(header) not in (sorted(COLUMNS), sorted((*COLUMNS, "every"))):
-                    raise InputError(
-                        f"{where}: give the columns {', '.join(COLUMNS)} and, if you like, every"
-                    )
-            elif len(cells) != len(header):
-                raise InputError(f"{where}: {len(cells)} values under {len(header)} columns")
-            else:
-                found.append(_launch(dict(zip(header, cells, strict=True)), where))
-    except csv.Error as error:
-        raise InputError(f"{path}: line {rows.line_num}: not a line of CSV ({error})") from None
-    if not header:
-        raise InputError(f"{path}: empty; give a line with the columns {', '.join(COLUMNS)}")
-    return tuple(found)
+    columns = ", ".join(COLUMNS)
+    rows = csv_rows(read_text(path), path, _header, columns)
+    return tuple(_launch(cells, where) for where, cells in rows)
+
+
+def _header(cells: list[str], where: str) -> list[str]:
+    header = [cell.casefold() for cell in cells]
+    if sorted(header) not in (sorted(COLUMNS), sorted((*COLUMNS, "every"))):
+        raise InputError(f"{where}: give the columns {', '.join(COLUMNS)} and, if you like, every")
+    return header
 
 
 def _launch(cells: dict[str, str], where: str) -> Launch:
@@ -132,10 +118,7 @@ def _launch(cells: dict[str, str], where: str) -> Launch:
 
 
 def _number(text: str, where: str, least: float, most: float, *, whole: bool = False) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        raise InputError(f"{where} = {shown(text)!r}: must be a number") from None
+    value = csv_number(text, where)
     if not least <= value <= most:
         raise InputError(f"{where} = {shown(text)}: must be between {least:g} and {most:g}")
     if whole and value != int(value):

@@ -18,7 +18,7 @@ from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ...problem.rules import CAMPAIGNS, FIRST, Follower
 from ...problem.support import refuse
-from ...sources.worth.lifetimes import YEAR_S
+from ...sources.worth.air import YEAR_S
 from ...sources.worth.prizes import usual_unit
 from ...sources.worth.worth import worth_of
 from .population import NODE, TILT, ObjectPopulation, true_anomalies

@@ -16,9 +16,8 @@ from ...kernels.orbits.decay import after_drag
 from ...kernels.orbits.encounters import LEAST_WIDTH_M
 from ...kernels.orbits.ephemeris import secular_rates
 from ...sources.catalogue.propagation import mean_elements, true_anomaly
-from ...sources.worth.air import ALTITUDES_KM, FLOAT, table
+from ...sources.worth.air import ALTITUDES_KM, DRAG_COEFFICIENT, FLOAT, YEAR_S, table
 from ...sources.worth.bodies import Bodies
-from ...sources.worth.lifetimes import DRAG_COEFFICIENT, YEAR_S
 from ...sources.worth.pairs import INDICES
 from .settings import KINDS, AltitudeShells
 

@@ -15,8 +15,8 @@ from ...problem.instance import Instance
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
 from ...run.method_call import refuse_unable, spec_of
 from ...study import Run, check_jobs
-from .attempts import Attempt, Attempts
 from .axes import Axis, PointLimits, grid, tanks_of
+from .point_runs import PointRun, PointRuns
 from .points import Impossible, KnownPoints, Point, Tradeoff
 from .shared import slack_m_s, variant
 
@@ -81,12 +81,12 @@ def tradeoff(  # noqa: PLR0913
     tanks = tanks_of(instance, axes)
     for each in limits:
         variant(instance, each, tanks=tanks)  # what is not valid is refused before any work
-    attempts = Attempts(instance, max(each.duration_s for each in limits), tanks, time_limit, seed)
-    problem = attempts.shared.problem(limits[0])
+    runs = PointRuns(instance, max(each.duration_s for each in limits), tanks, time_limit, seed)
+    problem = runs.shared.problem(limits[0])
     refuse_unable(problem, spec_of(method))
     board, ran = KnownPoints(limits, slack_m_s(instance)), defaultdict[str, set[PointLimits]](set)
     quick, cpu_s = _quick(problem, method), 0.0
-    with Run(attempts.study(method), path, jobs=jobs, cluster=cluster, stop=stop) as running:
+    with Run(runs.study(method), path, jobs=jobs, cluster=cluster, stop=stop) as running:
         _take_in(board, running, ran, dict.fromkeys((quick or method, method)), path)
         passes = [] if quick is None else [_pass(board, ran[quick], quick, quick=True)]
         for groups in (*passes, _pass(board, ran[method], method, quick=False)):
@@ -121,7 +121,7 @@ def _quick(problem: Problem, method: str) -> str | None:
 
 def _take_in(
     board: KnownPoints,
-    running: Run[Attempt, Point],
+    running: Run[PointRun, Point],
     ran: dict[str, set[PointLimits]],
     methods: Iterable[str],
     path: str | os.PathLike[str] | None,
@@ -135,7 +135,7 @@ def _take_in(
     """
     for limits in sorted(board.points):
         for method in methods:
-            point = running.known(Attempt(method, board.points[limits]))
+            point = running.known(PointRun(method, board.points[limits]))
             if point is None:
                 continue
             try:
@@ -150,7 +150,7 @@ def _take_in(
 
 def _pass(
     board: KnownPoints, ran: set[PointLimits], method: str, *, quick: bool
-) -> Iterator[tuple[Attempt]]:
+) -> Iterator[tuple[PointRun]]:
     """Runs of a planner over points, each chosen when it can begin."""
     while True:
         if quick:
@@ -161,4 +161,4 @@ def _pass(
         if limits is None:
             return
         ran.add(limits)
-        yield (Attempt(method, board.points[limits]),)
+        yield (PointRun(method, board.points[limits]),)

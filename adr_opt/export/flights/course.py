@@ -7,13 +7,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.kepler import Array
+from ...fly.trajectory.sampling import Trajectory
 from ...plan.cargo import followed
 from ...plan.plan import Leg
 from ...plan.refined_plan import RefinedLeg
+from ...plan.routes import routes_of
 from ...plan.tows import removals_by_name
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.instance import Instance
+from .kvn import origin, who
 
 
 class Impulse(Protocol):
@@ -200,3 +204,21 @@ def burnt_from(mass_kg: float, burns: Iterable[Impulse], exhaust_m_s: float) -> 
         found.append(Burnt(mass_kg, mass_kg * -math.expm1(-burn.size_m_s / exhaust_m_s)))
         mass_kg -= found[-1].lost_kg
     return tuple(found)
+
+
+def course_of(trajectory: Trajectory, axes: Axes) -> FlightCourse:
+    """Legs of a trajectory as their burns, with masses from its plan."""
+    instance, plan = trajectory.instance, trajectory.plan
+    numbers = [path.number for path in trajectory.legs]
+    burnt: dict[int, tuple[Burnt, ...]] = {}
+    for flown in routes_of(instance, plan):
+        route = [CourseLeg.of(number, leg) for number, leg in flown.legs]
+        if any(leg.number in numbers for leg in route):
+            burnt |= burnt_of(instance, flown.chaser, route)
+    return FlightCourse(
+        instance,
+        trajectory.chaser,
+        tuple(CourseLeg.of(path.number, path.leg) for path in trajectory.legs),
+        (*origin(instance, plan, axes), *who(instance, trajectory.chaser)),
+        burnt,
+    )

@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ...fly.trajectory.axes import Axes, axes_of
 from ...fly.trajectory.bodies import body_states
 from ...fly.trajectory.clock import UtcClock
-from ...fly.trajectory.kepler import revolution
 from ...fly.trajectory.sampling import SHORTEST_ARC_S, STEP_S, Arc, LegPath, Trajectory
-from ...plan.routes import owners, several
+from ...plan.routes import owners
 from .czml_packets import (
     ARC_DEGREE,
     BODY_DEGREE,
     BODY_STEP_S,
     CESIUM,
-    LONG_ARC_S,
     MOST_BODY_STATES,
+    ShownChaser,
     Span,
+    arc_packet,
     body_packet,
     chaser_packet,
+    crew_of,
     document,
     lasting,
-    path_line,
-    rgba,
     sampled,
 )
 from .kvn import origin
@@ -51,7 +49,8 @@ def to_czml(trajectory: Trajectory) -> str:
         _body(trajectory, clock, axes, name, name in visited, intervals)
         for name, intervals in shown.items()
     ]
-    crew = _crew(trajectory)
+    whose = owners(trajectory.instance, trajectory.plan)
+    crew = crew_of(trajectory.instance, trajectory.legs, lambda leg: whose.get(leg.number))
     packets += [_chaser(trajectory, clock, its) for its in crew]
     for its in crew:
         for leg in its.legs:
@@ -127,49 +126,9 @@ def _body(
     return body_packet(name, colour, tracks, large=at_station, named=at_station or visited)
 
 
-class _Chaser(NamedTuple):
-    """A chaser with legs.
-
-    Attributes
-    ----------
-    id, name : str
-        Of its packet. The first is a number where there are several: what a reference may say is
-        less than what a name may be.
-    colour : str or None
-        Its own, where there are several.
-    legs : tuple of LegPath
-    """
-
-    id: str
-    name: str
-    colour: str | None
-    legs: tuple[LegPath, ...]
-
-    def arcs(self) -> Iterator[tuple[LegPath, Arc]]:
-        """Its arcs with their legs, in time order."""
-        for path in self.legs:
-            for arc in path.arcs:
-                yield path, arc
-
-
-def _crew(trajectory: Trajectory) -> list[_Chaser]:
-    """The chasers of the legs."""
-    from ...plan.palette import chaser_colours
-
-    instance = trajectory.instance
-    if not several(instance):
-        return [_Chaser("chaser", "chaser", None, trajectory.legs)]
-    whose, colours = owners(instance, trajectory.plan), chaser_colours(instance)
-    found = []
-    for number, chaser in enumerate(instance.chasers, start=1):
-        legs = tuple(path for path in trajectory.legs if whose[path.number] == chaser.name)
-        if legs:
-            found.append(_Chaser(f"chaser/{number}", chaser.name, colours[chaser.name], legs))
-    return found
-
-
-def _chaser(trajectory: Trajectory, clock: UtcClock, its: _Chaser) -> dict[str, Any]:
-    spans = [(lasting(clock, arc.start_s, arc.end_s), path, arc) for path, arc in its.arcs()]
+def _chaser(trajectory: Trajectory, clock: UtcClock, its: ShownChaser[LegPath]) -> dict[str, Any]:
+    arcs = [(path, arc) for path in its.legs for arc in path.arcs]
+    spans = [(lasting(clock, arc.start_s, arc.end_s), path, arc) for path, arc in arcs]
     tracks = {
         when: sampled(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 3) for when, _, arc in spans
     }
@@ -179,31 +138,13 @@ def _chaser(trajectory: Trajectory, clock: UtcClock, its: _Chaser) -> dict[str, 
 
 
 def _arc(
-    trajectory: Trajectory, clock: UtcClock, its: _Chaser, leg: LegPath, number: int
+    trajectory: Trajectory, clock: UtcClock, its: ShownChaser[LegPath], leg: LegPath, number: int
 ) -> dict[str, Any]:
-    arc = leg.arcs[number]
-    drawn_s = leg.arcs[-1].end_s - leg.arcs[0].start_s
-    shown = leg.arcs[0].start_s, leg.arcs[-1].end_s
-    colour = its.colour or _colour(trajectory, leg, arc)
-    title = f"leg {leg.number}: {leg.leg.origin} → {leg.leg.destination}, {arc.phase}"
-    position: dict[str, Any] = {"reference": f"{its.id}#position"}
-    if arc.end_s - arc.start_s > LONG_ARC_S:
-        drawn_s = 0.5 * revolution(arc.positions_m[0], arc.velocities_m_s[0])
-        shown = arc.start_s, arc.end_s
-    else:
-        position = sampled(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 0)
-    return {
-        "id": f"leg {leg.number}/{number + 1}",
-        "name": title if its.colour is None else f"{its.name}, {title}",
-        "availability": lasting(clock, *shown),
-        "position": position,
-        "path": path_line(
-            drawn_s,
-            2 if arc.phase in ("wait", "service") else 3,
-            min(trajectory.step_s, STEP_S),
-            rgba(colour),
-        ),
-    }
+    arc, span = leg.arcs[number], (leg.arcs[0].start_s, leg.arcs[-1].end_s)
+    ends = leg.number, leg.leg.origin, leg.leg.destination
+    step_s = min(trajectory.step_s, STEP_S)
+    colour = _colour(trajectory, leg, arc)
+    return arc_packet(clock, its, ends, number + 1, arc, span, colour, step_s)
 
 
 def _colour(trajectory: Trajectory, path: LegPath, arc: Arc) -> str:

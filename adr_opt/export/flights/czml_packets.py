@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from ...common.constants import DAY_S
 from ...fly.trajectory.clock import UtcClock
-from ...fly.trajectory.kepler import Array
+from ...fly.trajectory.kepler import Array, revolution
+from ...fly.trajectory.sampling import Arc
+from ...plan.palette import chaser_colours
+from ...plan.routes import several
+from ...problem.instance import Instance
 
 Span = tuple[float, float]
 
@@ -34,6 +38,43 @@ shell around the Earth."""
 
 SPEED_UP = 300.0
 """Initial speed relative to real time: twenty seconds per revolution."""
+
+
+LegT = TypeVar("LegT")
+
+
+class ShownChaser(NamedTuple, Generic[LegT]):
+    """A chaser with legs.
+
+    Attributes
+    ----------
+    id, name : str
+        Of its packet. The first is a number where there are several: what a reference may say is
+        less than what a name may be.
+    colour : str or None
+        Its own, where there are several.
+    legs : tuple
+    """
+
+    id: str
+    name: str
+    colour: str | None
+    legs: tuple[LegT, ...]
+
+
+def crew_of(
+    instance: Instance, legs: Sequence[LegT], chaser_of: Callable[[LegT], str | None]
+) -> list[ShownChaser[LegT]]:
+    """The chasers of some legs."""
+    if not several(instance):
+        return [ShownChaser("chaser", "chaser", None, tuple(legs))]
+    colours, found = chaser_colours(instance), []
+    for number, chaser in enumerate(instance.chasers, start=1):
+        own = tuple(leg for leg in legs if chaser_of(leg) == chaser.name)
+        if own:
+            shown = ShownChaser(f"chaser/{number}", chaser.name, colours[chaser.name], own)
+            found.append(shown)
+    return found
 
 
 def document(
@@ -98,6 +139,54 @@ def chaser_packet(
             "outlineWidth": 2,
         },
         "label": labelled(name, outline),
+    }
+
+
+def arc_packet(
+    clock: UtcClock,
+    its: ShownChaser[Any],
+    leg: tuple[int, str, str],
+    number: int,
+    arc: Arc,
+    span: Span,
+    colour: str,
+    step_s: float,
+) -> dict[str, Any]:
+    """The path of an arc while its leg is flown; of a long one the revolution of the chaser.
+
+    Parameters
+    ----------
+    clock : UtcClock
+    its : ShownChaser
+    leg : (int, str, str)
+        Its number, origin and destination.
+    number : int
+        Of the arc in its leg.
+    arc : Arc
+        In the axes of Cesium.
+    span : (float, float)
+        Begin and end of the leg [s].
+    colour : str
+        Of the arc, where the chaser has none.
+    step_s : float
+        Resolution [s].
+    """
+    at, origin, destination = leg
+    title = f"leg {at}: {origin} → {destination}, {arc.phase}"
+    shown, drawn_s = span, span[1] - span[0]
+    if arc.end_s - arc.start_s > LONG_ARC_S:
+        shown = arc.start_s, arc.end_s
+        drawn_s = 0.5 * revolution(arc.positions_m[0], arc.velocities_m_s[0])
+        position: dict[str, Any] = {"reference": f"{its.id}#position"}
+    else:
+        position = sampled(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 0)
+    width = 2 if arc.phase in ("wait", "service") else 3
+    return {
+        "id": f"leg {at}/{number}",
+        "name": title if its.colour is None else f"{its.name}, {title}",
+        "availability": lasting(clock, *shown),
+        "position": position,
+        "path": path_line(drawn_s, width, step_s, rgba(its.colour or colour)),
     }
 
 

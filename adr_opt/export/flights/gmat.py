@@ -31,11 +31,18 @@ from ...fly.trajectory.sampling import Trajectory
 from ...kernels.orbits import ephemeris
 from ...problem.frame import FRAMES
 from ...problem.instance import Instance
-from .course import CourseLeg, FlightCourse
-from .gmat_epochs import gregorian, whole_millisecond
-from .gmat_thrust import decremented, fuelled, hardware, note, powered, pushed
+from .course import CourseLeg, FlightCourse, course_of
+from .gmat_thrust import (
+    decremented,
+    fuelled,
+    gregorian,
+    hardware,
+    note,
+    powered,
+    pushed,
+    whole_millisecond,
+)
 from .kvn import WIDTH, plain
-from .planned import course_of
 
 States = Callable[[str | None], Iterator[tuple[str, str]]]
 

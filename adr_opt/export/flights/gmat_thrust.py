@@ -21,9 +21,27 @@ from ...common.constants import STANDARD_GRAVITY_M_S2
 from ...common.errors import InputError
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
+from ...problem.instance import Instance
 from .course import CourseLeg, FlightCourse, Propulsion, ThrustWindow
-from .gmat_epochs import gregorian, whole_millisecond
 from .thrust_history import STEP_S
+
+MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
+
+
+def whole_millisecond(instance: Instance, time_s: float) -> float:
+    """Nearest time with whole milliseconds in the calendar, the resolution of GMAT."""
+    beyond_s = instance.epoch.microsecond % 1000 / 1e6
+    return round((time_s + beyond_s) * 1e3) / 1e3 - beyond_s
+
+
+def gregorian(time: datetime) -> str:
+    """A time in GMAT's format, in English whatever the locale."""
+    month = MONTHS[time.month - 1]
+    return (
+        f"{time.day:02d} {month} {time.year:04d} {time.hour:02d}:{time.minute:02d}:"
+        f"{time.second:02d}.{time.microsecond // 1000:03d}"
+    )
+
 
 TANK, HISTORY, MODEL, PROPAGATOR = "Propellant", "Thrust", "Powered", "Push"
 

@@ -15,9 +15,8 @@ from ...fly.trajectory.axes import Axes, axes_of
 from ...fly.trajectory.clock import UtcClock, states_at_labels
 from ...fly.trajectory.kepler import Array
 from ...fly.trajectory.sampling import Trajectory
-from .course import FlightCourse
+from .course import FlightCourse, course_of
 from .kvn import comment, header, metadata, object_name
-from .planned import course_of
 
 MASS_KG = 1000.0
 """Placeholder mass: the format requires one with manoeuvres, but a tank in m/s has none."""

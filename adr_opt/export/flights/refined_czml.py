@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
+from ...fly.refine.bodies import Whereabouts
 from ...fly.refine.ephemeris import EphemerisTrack, tracks
-from ...fly.refine.whereabouts import Whereabouts
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
-from ...fly.trajectory.kepler import revolution
 from ...fly.trajectory.sampling import LONG_STEP_S, SHORTEST_ARC_S, STEP_S, Arc
 from ...plan import palette
 from ...plan.phases import COLOURS
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
-from ...plan.routes import several
 from ...problem.instance import Instance
 from .czml_packets import (
     ARC_DEGREE,
@@ -23,11 +22,13 @@ from .czml_packets import (
     BODY_STEP_S,
     LONG_ARC_S,
     MOST_BODY_STATES,
+    ShownChaser,
+    arc_packet,
     body_packet,
     chaser_packet,
+    crew_of,
     document,
     lasting,
-    path_line,
     rgba,
     sampled,
 )
@@ -51,15 +52,6 @@ class _Leg(NamedTuple):
 
     leg: RefinedLeg
     tracks: tuple[EphemerisTrack, ...]
-
-
-class _Crew(NamedTuple):
-    """A chaser with legs; ``colour`` where there are several."""
-
-    id: str
-    name: str
-    colour: str | None
-    legs: tuple[_Leg, ...]
 
 
 def usual_step(legs: Sequence[RefinedLeg]) -> float:
@@ -97,20 +89,13 @@ def to_czml(
     return json.dumps(packets, ensure_ascii=False, separators=(",", ":"), allow_nan=False) + "\n"
 
 
-def _crew(instance: Instance, shown: RefinedLegs, step: float) -> Iterator[_Crew]:
+def _crew(instance: Instance, shown: RefinedLegs, step: float) -> list[ShownChaser[_Leg]]:
     """The chasers of some legs."""
     flown = [
         _Leg(leg, tracks(shown.refined, leg=leg.leg, step_s=step, bodies=shown.bodies))
         for leg in shown.legs
     ]
-    if not several(instance):
-        yield _Crew("chaser", "chaser", None, tuple(flown))
-        return
-    colours = palette.chaser_colours(instance)
-    for number, chaser in enumerate(instance.chasers, start=1):
-        own = tuple(leg for leg in flown if leg.leg.chaser == chaser.name)
-        if own:
-            yield _Crew(f"chaser/{number}", chaser.name, colours[chaser.name], own)
+    return crew_of(instance, flown, lambda leg: leg.leg.chaser)
 
 
 def _bodies(
@@ -139,7 +124,7 @@ def _bodies(
         yield body_packet(name, colour, shown, large=at_station, named=True)
 
 
-def _chaser(its: _Crew, axes: Axes, clock: UtcClock) -> dict[str, Any]:
+def _chaser(its: ShownChaser[_Leg], axes: Axes, clock: UtcClock) -> dict[str, Any]:
     found: dict[str, dict[str, Any]] = {}
     colours: list[tuple[str, str]] = []
     for leg in its.legs:
@@ -155,30 +140,16 @@ def _chaser(its: _Crew, axes: Axes, clock: UtcClock) -> dict[str, Any]:
 
 
 def _arc(
-    its: _Crew, leg: _Leg, number: int, arc: Arc, axes: Axes, clock: UtcClock
+    its: ShownChaser[_Leg], leg: _Leg, number: int, arc: Arc, axes: Axes, clock: UtcClock
 ) -> dict[str, Any]:
-    """The path of an arc; of a long one the revolution that the chaser is in."""
-    title = f"leg {leg.leg.leg}: {leg.leg.origin} → {leg.leg.destination}, {arc.phase}"
-    position: dict[str, Any] = {"reference": f"{its.id}#position"}
-    shown_s = arc.start_s, arc.end_s
-    if arc.end_s - arc.start_s > LONG_ARC_S:
-        drawn_s = 0.5 * revolution(arc.positions_m[0], arc.velocities_m_s[0])
-    else:
-        shown_s = leg.tracks[0].arc.start_s, leg.tracks[-1].arc.end_s
-        drawn_s = shown_s[1] - shown_s[0]
-        position = sampled(clock, arc.times_s, axes.turned(arc.positions_m), ARC_DEGREE, 0)
-    colour = its.colour or _colour(leg.leg, arc)
-    width = 2 if arc.phase in ("wait", "service") else 3
-    return {
-        "id": f"leg {leg.leg.leg}/{number}",
-        "name": title if its.colour is None else f"{its.name}, {title}",
-        "availability": lasting(clock, *shown_s),
-        "position": position,
-        "path": path_line(drawn_s, width, STEP_S, rgba(colour)),
-    }
+    """The path of an arc."""
+    turned = replace(arc, positions_m=axes.turned(arc.positions_m))
+    span = leg.tracks[0].arc.start_s, leg.tracks[-1].arc.end_s
+    ends = leg.leg.leg, leg.leg.origin, leg.leg.destination
+    return arc_packet(clock, its, ends, number, turned, span, _colour(leg.leg, arc), STEP_S)
 
 
-def _thrust(its: _Crew, leg: RefinedLeg, clock: UtcClock) -> dict[str, Any]:
+def _thrust(its: ShownChaser[_Leg], leg: RefinedLeg, clock: UtcClock) -> dict[str, Any]:
     """A halo of the chaser, available in the windows of thrust of a leg."""
     halo = rgba(COLOURS["thrust"])
     halo["rgba"][3] = 128

@@ -9,8 +9,7 @@ from itertools import pairwise
 
 from ...common.errors import InputError
 from ...fly.flight.tanks import refined_routes
-from ...fly.refine.bodies import moved
-from ...fly.refine.states import state_of
+from ...fly.refine.bodies import moved, state_of
 from ...fly.trajectory.axes import Axes
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
@@ -19,8 +18,7 @@ from ...problem.instance import Instance
 from . import ocm, opm
 from .course import Burnt, CourseLeg, FlightCourse, Propulsion, burnt_from, burnt_of
 from .gmat import AXES, cartesian, script
-from .gmat_epochs import whole_millisecond
-from .gmat_thrust import history
+from .gmat_thrust import history, whole_millisecond
 from .thrust_history import thrust_windows
 
 DEGREES = {"two-body": 0, "j2": 2, "j3": 3, "j4": 4}

@@ -9,8 +9,8 @@ from ...common.constants import EARTH_RADIUS_M, J2
 from ...common.errors import InputError
 from ...common.files import check_writable, write_both, write_text
 from ...fly.flight.tanks import refined_routes
+from ...fly.refine.bodies import Whereabouts
 from ...fly.refine.ephemeris import EphemerisTrack, tracks
-from ...fly.refine.whereabouts import Whereabouts
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.sampling import STEP_S

@@ -14,9 +14,8 @@ import math
 import numpy as np
 from scipy.linalg import solveh_banded
 
-from ...fly.refine.bodies import Gravity
-from ...fly.refine.states import state_of
-from ...fly.refine.thrust_states import thrust_states
+from ...fly.refine.bodies import Gravity, state_of
+from ...fly.refine.thrust_record import thrust_states
 from ...fly.trajectory.sampling import SHORTEST_ARC_S
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg

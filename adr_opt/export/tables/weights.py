@@ -1,16 +1,43 @@
-"""Integer weights: the replacement of m/s and seconds in formats of combinatorial problems."""
+"""Formats of combinatorial problems, in which integer weights replace m/s and seconds.
+
+``.tsp`` is an asymmetric travelling-salesman problem in TSPLIB 95 (TYPE ATSP, FULL_MATRIX; G.
+Reinelt, TSPLIB 95, Universität Heidelberg).
+
+``.oplib`` is an orienteering problem in OPLib's format (https://github.com/bcamath-ds/OPLib), which
+extends TSPLIB 95 by COST_LIMIT, the most that a cycle through the depot may cost, and
+NODE_SCORE_SECTION. All its numbers are integers. Its own instances are symmetric, and explicit ones
+are written as a triangle; transfers are not symmetric, so the weights here are a FULL_MATRIX.
+
+``.vrp`` is a prize-collecting vehicle-routing problem in VRPLIB, as PyVRP and vrplib read it. PyVRP
+takes the weights both for distances and for durations, so a file is about one of the two. One unit
+of prize is worth more than all routes together, so PyVRP, which minimises distance plus prizes
+forgone, collects prizes first and saves ΔV or time second. PyVRP takes a prize of zero for a duty;
+it is written as 1, which no detour is worth. The demand of every target is 1 and CAPACITY never
+binds: readers of plain CVRP files ask for both.
+
+What of a mission the last two can say, at one departure, whatever the time:
+
+- ΔV: a cycle is one fuel load, from the station and back; there is no clock. In a ``.vrp`` there
+  are as many routes as targets (VEHICLES_MAX_DISTANCE is the budget).
+- duration: there is one route, the mission, and no fuel; unlike a plan it has to return. Service is
+  in the weight of the way to each target (``.oplib``, which has no other place for it), or in
+  SERVICE_TIME_SECTION beside VEHICLES_MAX_DURATION (``.vrp``).
+"""
 
 from __future__ import annotations
 
 import math
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
+from ...common.constants import STATION
 from ...common.errors import InputError
 from ...legs.matrices import FloatArray, Matrices
+from ...mission.mission import Mission
 from ...problem.instance import Instance
 from ...problem.support import binding
 
@@ -183,3 +210,133 @@ def edges(weights: WeightMatrix) -> list[str]:
         "EDGE_WEIGHT_SECTION",
         *(" ".join(map(str, row)) for row in weights.values.tolist()),
     ]
+
+
+def write_tsp(
+    path: Path, instance: Instance, matrices: Matrices, quantity: str, scale: float | None
+) -> None:
+    """Write one quantity at one departure; COMMENT states the scale and the mark of no transfer."""
+    weights = whole_weights(matrices, quantity, scale)
+    lines = [
+        f"NAME : {slug(instance)}",
+        "TYPE : ATSP",
+        f"COMMENT : {comment(instance, weights)}",
+        f"DIMENSION : {len(matrices.names)}",
+        *edges(weights),
+        "EOF",
+    ]
+    path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
+
+
+FINEST_SCORES = 1000.0
+
+
+def scores(prizes: list[float]) -> tuple[list[int], float]:
+    """Integer scores of prizes, and the score of a unit prize.
+
+    Whole prizes are written as they are; others times the largest power of ten up to 1000 that
+    fits, rounded.
+
+    Raises
+    ------
+    InputError
+        The prizes do not fit into 31 bits.
+    """
+    scale = 1.0 if all(prize.is_integer() for prize in prizes) else FINEST_SCORES
+    while scale * sum(prizes) > LARGEST and scale > 1.0:
+        scale /= 10.0
+    if scale * sum(prizes) > LARGEST:
+        raise InputError(f"prizes up to {max(prizes)!r} do not fit the 31 bits of a .oplib file")
+    return [round(scale * prize) for prize in prizes], scale
+
+
+def write_oplib(
+    path: Path, mission: Mission, matrices: Matrices, quantity: str, scale: float | None
+) -> None:
+    """Write one quantity at one departure.
+
+    Raises
+    ------
+    InputError
+        The prizes or the weights do not fit into 31 bits.
+    """
+    instance = mission.instance
+    is_duration = quantity == "duration"
+    limit = instance.mission.duration_s if is_duration else instance.chaser.tank.delta_v_m_s
+    service = np.array(mission.rules.service) if is_duration else None
+    if service is not None:
+        service[STATION] = 0.0  # the cycle ends there
+    weights = whole_weights(matrices, quantity, scale, limit, service)
+    values, unit = scores([target.prize for target in instance.targets])
+    lines = [
+        f"NAME : {slug(instance)}",
+        f"COMMENT : {comment(instance, weights)}; {unit:g} = a prize of one",
+        "TYPE : OP",
+        f"DIMENSION : {len(matrices.names)}",
+        f"COST_LIMIT : {math.floor(weights.scale * limit)}",
+        *edges(weights),
+        "NODE_SCORE_SECTION",
+        *(f"{node} {score}" for node, score in enumerate([0, *values], start=1)),
+        "DEPOT_SECTION",
+        "1",
+        "-1",
+        "EOF",
+    ]
+    path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
+
+
+LARGEST_PRIZES = 2**44
+"""Largest sum of prizes, as of distances in PyVRP: beyond it sums may overflow."""
+
+
+def write_vrp(
+    path: Path, mission: Mission, matrices: Matrices, quantity: str, scale: float | None
+) -> None:
+    """Write one quantity at one departure.
+
+    Raises
+    ------
+    InputError
+        There is no target, or the prizes differ by too many orders of magnitude.
+    """
+    instance = mission.instance
+    targets = len(instance.targets)
+    if targets == 0:
+        raise InputError(f"{instance.name!r} has no target: a .vrp file needs at least one")
+    is_duration = quantity == "duration"
+    limit = instance.mission.duration_s if is_duration else instance.chaser.tank.delta_v_m_s
+    weights = whole_weights(matrices, quantity, scale, limit)
+    budget = math.floor(weights.scale * limit)
+    vehicles = 1 if is_duration else targets
+
+    given = [target.prize for target in instance.targets]
+    least = min([1.0, *(prize for prize in given if prize > 0.0)])
+    prize_unit = (vehicles * budget + 1) / least
+    if not prize_unit * sum(given) <= LARGEST_PRIZES:
+        raise InputError(
+            f"prizes from {least!r} to {max(given)!r} do not fit the integers of a .vrp file "
+            f"with scale = {weights.scale:g}; give less"
+        )
+    prizes = [0, *(max(1, round(prize * prize_unit)) for prize in given)]
+
+    def section(name: str, values: list[int]) -> list[str]:
+        numbered = [f"{node} {value}" for node, value in enumerate(values, start=1)]
+        return [f"{name}_SECTION", *numbered]
+
+    lines = [
+        f"NAME : {slug(instance)}",
+        f"COMMENT : {comment(instance, weights)}; {prize_unit:.17g} = a prize of one",
+        "TYPE : ACVRP",
+        f"DIMENSION : {targets + 1}",
+        f"VEHICLES : {vehicles}",
+        f"CAPACITY : {targets}",
+        f"VEHICLES_MAX_{'DURATION' if is_duration else 'DISTANCE'} : {budget}",
+        *edges(weights),
+        *section("DEMAND", [0] + [1] * targets),
+        *section("PRIZE", prizes),
+    ]
+    if is_duration:
+        service = [0, *(math.ceil(weights.scale * time) for time in mission.rules.service[1:])]
+        lines += section("SERVICE_TIME", service)
+    lines += ["DEPOT_SECTION", "1", "-1", "EOF"]
+    path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")

@@ -4,20 +4,52 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import numpy as np
 
 from ...common.errors import InputError
 from ...common.files import check_writable, write_whole
+from ...common.packages import load
 from ...legs.connections import Choice
 from ...legs.matrices import FloatArray, Matrices
 from ...mission.mission import Mission
 from ...problem.instance import Instance
 from ...problem.rules import FIRST, JUDGED, SUPPLIES, TOURS, Follower
 from ...problem.support import followed, refuse
-from . import models, netcdf, npz, oplib, parquet, tsp, vrp
-from .weights import check_quantity, check_scale
+from .arrays import require_netcdf, require_parquet, write_netcdf, write_npz, write_parquet
+from .weights import check_quantity, check_scale, write_oplib, write_tsp, write_vrp
+
+MODELS = "adr_opt.models"
+"""Entry-point group; a package that declares it adds its formats to ``matrix``."""
+
+WriteModel = Callable[[Mission, Path], None]
+
+
+def model_suffixes() -> tuple[str, ...]:
+    """Suffixes of the installed model formats, with the dot, sorted; nothing is imported."""
+    return tuple(sorted({f".{entry.name}" for entry in entry_points(group=MODELS)}))
+
+
+def model_writer(suffix: str) -> WriteModel:
+    """The writer of files with an installed suffix.
+
+    Raises
+    ------
+    InputError
+        It is declared but cannot be imported.
+    """
+    (entry, *_) = entry_points(group=MODELS, name=suffix.removeprefix("."))
+    try:
+        found: WriteModel = load(entry)
+    except (ImportError, AttributeError) as error:
+        raise InputError(
+            f"format {suffix!r} is declared, but cannot be imported ({error}); "
+            "reinstall the package that declares it"
+        ) from error
+    return found
+
 
 SAMPLED = (".npz", ".nc")
 """Formats of matrices at any number of departures."""
@@ -53,7 +85,7 @@ DEPOT_FILES = Follower(
 
 def whole_suffixes() -> tuple[str, ...]:
     """Suffixes of formats that hold every connection, those of installed models included."""
-    return (".parquet", *models.suffixes())
+    return (".parquet", *model_suffixes())
 
 
 def suffix_of(path: str | os.PathLike[str]) -> str:
@@ -134,7 +166,7 @@ def write_matrix(
             "give one, or write .npz or .nc"
         )
     if suffix == ".nc":
-        netcdf.require()
+        require_netcdf()
     check_writable(path)
 
     mission = _mission(instance_or_mission)
@@ -145,15 +177,15 @@ def write_matrix(
 
     def write(temporary: Path) -> None:
         if suffix == ".npz":
-            npz.write(temporary, mission, matrices)
+            write_npz(temporary, mission, matrices)
         elif suffix == ".nc":
-            netcdf.write(temporary, mission, matrices)
+            write_netcdf(temporary, mission, matrices)
         elif suffix == ".tsp":
-            tsp.write(temporary, mission.instance, matrices, quantity, scale)
+            write_tsp(temporary, mission.instance, matrices, quantity, scale)
         elif suffix == ".vrp":
-            vrp.write(temporary, mission, matrices, quantity, scale)
+            write_vrp(temporary, mission, matrices, quantity, scale)
         else:
-            oplib.write(temporary, mission, matrices, quantity, scale)
+            write_oplib(temporary, mission, matrices, quantity, scale)
 
     write_whole(path, write)
     return matrices
@@ -192,9 +224,9 @@ def write_timetable(
         )
     write_model = None
     if suffix == ".parquet":
-        parquet.require()
+        require_parquet()
     else:
-        write_model = models.writer(suffix)
+        write_model = model_writer(suffix)
     check_writable(path)
     mission = _mission(instance_or_mission)
     if write_model is not None:
@@ -203,7 +235,7 @@ def write_timetable(
 
     def write(temporary: Path) -> None:
         if write_model is None:
-            parquet.write(temporary, mission)
+            write_parquet(temporary, mission)
         else:
             write_model(mission, temporary)
 

@@ -4,13 +4,12 @@ A Monte Carlo analysis of dispersions. Each flight draws errors of every burn an
 chaser is when a leg begins (:mod:`.errors`); what a burn has left wrong is corrected at the burns
 that are left of the leg, by linear feedback with the state-transition matrices of the refined
 trajectory (:mod:`.feedback`). A few of the flights are flown again without linearisation
-(:mod:`.exact`).
+(:mod:`.flown_leg`).
 """
 
 from .errors import FlightErrors
 from .result import Dispersion, LegDispersion, Quantile, TankDispersion
-from .sample import sample_flights
-from .tanks import usable_tank
+from .sample import sample_flights, usable_tank
 
 __all__ = [
     "Dispersion",

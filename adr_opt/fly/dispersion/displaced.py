@@ -20,8 +20,7 @@ from ...kernels.orbits.short_periods import Array, mean_elements, osculating
 from ...plan.refined_plan import RefinedPlan
 from ...problem.instance import Instance
 from ...sources.uncertainty import TargetError
-from ..refine.bodies import moved
-from ..refine.states import state_of
+from ..refine.bodies import moved, state_of
 
 STEPS = 10.0, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6
 """Steps of the derivative of osculating by mean elements [m], [1], [rad]."""

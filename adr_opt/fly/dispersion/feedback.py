@@ -29,8 +29,7 @@ from ...kernels.orbits.gravity import FIELDS
 from ...kernels.orbits.short_periods import Array
 from ...plan.plan import Vector
 from ...plan.refined_plan import RefinedBurn, RefinedLeg
-from ..refine.bodies import Gravity
-from ..refine.states import state_of
+from ..refine.bodies import Gravity, state_of
 from .errors import FlightErrors
 
 WORTH_M_S_PER_M = 0.1

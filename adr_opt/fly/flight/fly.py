@@ -12,14 +12,12 @@ from ...judge.admit import AnyPlan, admit
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from .aimed import Aim
-from .corrected import fly_eccentric
 from .flyable import refuse_what_cannot_be_flown
-from .mean import MeanDynamics
-from .mean_flight import is_between_circles
-from .plan_tanks import burnt_m_s, plan_tanks
+from .mean_flight import MeanDynamics, is_between_circles
 from .result import EccentricFlight, Flight, LegFlight
-from .two_body import State, TwoBody, distance
+from .retargeted import Aim
+from .tanks import burnt_m_s, plan_tanks
+from .two_body import State, TwoBody, distance, fly_eccentric
 
 
 def fly(instance: Instance, plan: AnyPlan) -> Flight:
@@ -29,8 +27,8 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
     there; the burns are taken from the plan as they are.
     Bodies move on the circles that the model plans with (docs/model.md section 1). A leg with an
     eccentric orbit is flown a second time on the true orbits, with its burns aimed anew
-    (:mod:`.aimed`); in two-body motion a third time with them as they are. What the second flight
-    takes, and what the burns of legs that drift take, is counted tank by tank.
+    (:mod:`.retargeted`); in two-body motion a third time with them as they are. What the second
+    flight takes, and what the burns of legs that drift take, is counted tank by tank.
 
     Parameters
     ----------
@@ -127,18 +125,7 @@ def _fly_leg(
     eccentric: EccentricFlight | None,
 ) -> LegFlight:
     if not leg.traits.has_burns:
-        return LegFlight(
-            leg=number,
-            origin=leg.origin,
-            destination=leg.destination,
-            kind=leg.kind,
-            planned_delta_v_m_s=0.0,
-            burns_delta_v_m_s=0.0,
-            miss_m=0.0,
-            relative_speed_m_s=0.0,
-            arrival_miss_m=0.0,
-            eccentric=None,
-        )
+        return LegFlight(number, leg.origin, leg.destination, leg.kind)
     target = orbits[leg.destination]
     standoff = None
     try:

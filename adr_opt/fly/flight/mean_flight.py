@@ -1,8 +1,12 @@
 """Flight of a whole plan in mean motion on true orbits: ΔV per leg, and the remainder of each tank.
 
 What `solve` says of its plan when it ends. Legs between circles fly the plan's burns, and are asked
-whether they arrive; the burns of the others are aimed anew (:mod:`.aimed`). Nothing optional is
-needed, and a leg takes some hundredths of a second, however long it drifts.
+whether they arrive; the burns of the others are aimed anew (:mod:`.retargeted`). Nothing optional
+is needed, and a leg takes some hundredths of a second, however long it drifts.
+
+`fly` restates the mean dynamics of J2 (docs/model.md sections 1 and 2) in :class:`MeanDynamics`
+with nothing of :mod:`adr_opt.kernels` but constants: elements are moved by their rates in boinor's
+terms, and coasts by its propagator, so that an error in one of the two shows.
 """
 
 from __future__ import annotations
@@ -13,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...common.constants import MU_M3_S2
+from ...common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from ...judge.admit import AnyPlan, admit
 from ...plan.leg_kinds import flown_kind_names
 from ...plan.plan import Burn, Leg, Plan
@@ -22,10 +26,69 @@ from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ..trajectory.bodies import body_states, leaving_state
 from ..trajectory.kepler import drift
-from .aimed import Aim
 from .flyable import refuse_what_cannot_be_flown
-from .plan_tanks import burnt_m_s, plan_tanks
-from .result import TankFlight
+from .result import TankFlight, whole_sum
+from .retargeted import Aim
+from .tanks import burnt_m_s, plan_tanks
+from .two_body import State, TwoBody
+
+
+class MeanDynamics(TwoBody):
+    """Orbits with drifting nodes, and coasts on arcs with drifting planes.
+
+    A coast between burns is Kepler motion within its plane, at the pace at which the mean argument
+    of latitude of a circle of its semi-major axis advances; the plane turns with the node. Its
+    apsides stay where they are from the node.
+    """
+
+    def body(self, orbit: Orbit, time_s: float) -> State:
+        """Position [m] and velocity [m/s] of a body at a time, on its planning circle."""
+        a, e = orbit.semi_major_axis_m, orbit.eccentricity
+        inclination = math.radians(orbit.inclination_deg)
+        n, half = self._pull(a, a * (1.0 - e * e))
+        square = math.cos(inclination) ** 2
+        perigee_rate = half * (5.0 * square - 1.0)
+        anomaly_rate = n + half * math.sqrt(1.0 - e * e) * (3.0 * square - 1.0)
+        position, velocity = self.circle_at_epoch(orbit)
+        # From the epoch on along the circle: by the mean latitude, not by the time.
+        gone = math.remainder((perigee_rate + anomaly_rate) * time_s, math.tau)
+        position, velocity = super().coast((position, velocity), gone / n)
+        node = -2.0 * half * math.cos(inclination) * time_s
+        return _turned(position, node), _turned(velocity, node)
+
+    def coast(self, state: State, time_s: float) -> State:
+        """State after a coast.
+
+        Raises
+        ------
+        ArithmeticError
+            The orbit is not closed, or the propagator finds no answer.
+        """
+        position, velocity = state
+        inverse_axis = 2.0 / math.hypot(*position) - float(velocity @ velocity) / self._mu
+        if not inverse_axis > 0.0:
+            raise ArithmeticError(f"at {math.hypot(*velocity):.6g} m/s the chaser leaves the Earth")
+        axis = 1.0 / inverse_axis
+        momentum = np.cross(position, velocity)
+        cosine = momentum[2] / math.hypot(*momentum)
+        n, half = self._pull(axis, axis)
+        pace = 1.0 + half / n * (8.0 * cosine * cosine - 2.0)
+        position, velocity = super().coast(state, pace * time_s)
+        node = -2.0 * half * cosine * time_s
+        return _turned(position, node), _turned(velocity, node)
+
+    def _pull(self, axis: float, parameter: float) -> tuple[float, float]:
+        """Mean motion, and the common factor ¾ J2 n (R/p)² of all rates [rad/s]."""
+        n = math.sqrt(self._mu / axis**3)
+        return n, 0.75 * J2 * n * (EARTH_RADIUS_M / parameter) ** 2
+
+
+def _turned(vector: np.ndarray, angle: float) -> np.ndarray:
+    """A vector rotated about the axis of the Earth."""
+    c, s = math.cos(angle), math.sin(angle)
+    x, y, z = vector
+    return np.array([c * x - s * y, s * x + c * y, z])
+
 
 MOST_MISS_M = 10.0
 """Largest miss of the stand-off at which a leg between circles counts as arrived. Burns of a plan
@@ -195,12 +258,11 @@ def families_of(
 
 
 def _family(family: str, legs: list[tuple[float, float | None]]) -> FamilyFlight:
-    known = [flown for _, flown in legs if flown is not None]
     return FamilyFlight(
         family=family,
         legs=len(legs),
         planned_delta_v_m_s=math.fsum(planned for planned, _ in legs),
-        flown_delta_v_m_s=math.fsum(known) if len(known) == len(legs) else None,
+        flown_delta_v_m_s=whole_sum(flown for _, flown in legs),
     )
 
 

@@ -65,7 +65,6 @@ class LegFlight:
     origin, destination : str
     kind : str
         As of :class:`.Leg`.
-        Of the transfer, as the plan states it.
     planned_delta_v_m_s : float
         As the plan states it; of a drift that of its closed form [m/s].
     burns_delta_v_m_s : float
@@ -94,11 +93,11 @@ class LegFlight:
     origin: str
     destination: str
     kind: str
-    planned_delta_v_m_s: float
-    burns_delta_v_m_s: float
-    miss_m: float
-    relative_speed_m_s: float
-    arrival_miss_m: float
+    planned_delta_v_m_s: float = 0.0
+    burns_delta_v_m_s: float = 0.0
+    miss_m: float = 0.0
+    relative_speed_m_s: float = 0.0
+    arrival_miss_m: float = 0.0
     eccentric: EccentricFlight | None = None
     on_true_orbits: bool = False
     true_delta_v_m_s: float | None = None
@@ -167,6 +166,13 @@ class TankFlight:
         return f"{tank} ({legs}) of {budget} is over by {self.over_m_s:.1f} m/s"
 
 
+def whole_sum(values: Iterable[float | None]) -> float | None:
+    """Sum of values; None if one is unknown."""
+    listed = list(values)
+    known = [value for value in listed if value is not None]
+    return math.fsum(known) if len(known) == len(listed) else None
+
+
 def legs_named(first: int, last: int) -> str:
     """The name of consecutive legs."""
     return f"legs {first} to {last}" if last > first else f"leg {first}"
@@ -229,14 +235,13 @@ def chasers_of(tanks: Iterable[TankFlight]) -> tuple[ChaserFlight, ...]:
             found.setdefault(tank.chaser, []).append(tank)
     told = []
     for chaser, its in found.items():
-        known = [tank.flown_delta_v_m_s for tank in its if tank.flown_delta_v_m_s is not None]
         told.append(
             ChaserFlight(
                 chaser,
                 its[0].first_leg,
                 its[-1].last_leg,
                 math.fsum(tank.planned_delta_v_m_s for tank in its),
-                math.fsum(known) if len(known) == len(its) else None,
+                whole_sum(tank.flown_delta_v_m_s for tank in its),
                 all(tank.holds for tank in its),
             )
         )
@@ -304,9 +309,7 @@ class Flight(WithTanks):
     @property
     def true_delta_v_m_s(self) -> float | None:
         """ΔV of those legs on true orbits; None if any does not arrive [m/s]."""
-        costs = [leg.true_delta_v_m_s for leg in self.true_legs]
-        known = [cost for cost in costs if cost is not None]
-        return math.fsum(known) if len(known) == len(costs) else None
+        return whole_sum(leg.true_delta_v_m_s for leg in self.true_legs)
 
     @property
     def worst_true_miss_m(self) -> float | None:
@@ -325,9 +328,7 @@ class Flight(WithTanks):
     @property
     def correction_delta_v_m_s(self) -> float | None:
         """Extra ΔV of the corrected last arcs; None if any is unknown [m/s]."""
-        costs = [leg.correction_delta_v_m_s for leg in self.eccentric]
-        known = [cost for cost in costs if cost is not None]
-        return sum(known) if len(known) == len(costs) else None
+        return whole_sum(leg.correction_delta_v_m_s for leg in self.eccentric)
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data: the output of ``fly --json``."""

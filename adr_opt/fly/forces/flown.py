@@ -1,28 +1,208 @@
-"""Flight of refined plans with all forces."""
+"""Flight of refined plans with all forces.
+
+A leg is corrected in the last revolution before its stand-off, at the least ΔV. Two impulses a
+revolution apart do not suffice: after a whole revolution, an impulse has moved the chaser along the
+track alone, so that no size of it removes an error across the track or in height. So corrections
+may be made every 30° of that revolution, the last at the stand-off, on top of the burns that the
+leg has there; those of least total size are taken (:mod:`..refine.least`). Derivatives are those of
+a zonal field. The corrected end is flown with all forces, and what is left of the miss corrected
+again.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...common.constants import MU_M3_S2
 from ...judge.admit import TANK, AnyRefined, admit
-from ...judge.refined.world import FIELDS
+from ...kernels.orbits import coast
+from ...kernels.orbits.gravity import FIELDS
 from ...kernels.orbits.short_periods import Array
-from ...plan.refined_plan import RefinedPlan
+from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...problem.frame import Frame
 from ...problem.instance import Instance
 from ..flight.refined import PlannedLeg, planned_legs, refuse_strangers
 from ..flight.result import TankFlight
 from ..flight.tanks import legs_by_tank, tanks_of
-from .corrected import Stretch, correction_m_s, last_lap
-from .course import Acting, LegCourse, kicked
-from .library import Moving, World
+from ..refine.least import least_impulses
+from .library import Moving, PushedWindow, World, pushes
 from .result import ForcedFlight, ForcedLeg, Off, total
 from .settings import Forces
+
+PLACES = 12
+"""Number of equal parts of the revolution, at whose ends a correction may be made."""
+
+MOST_ROUNDS = 12
+
+CLOSE_M, CLOSE_M_S = 0.1, 1e-4
+"""Largest miss after a correction, in position [m] and velocity [m/s]."""
+
+Fly = Callable[[Array], Array]
+
+
+class LastLap(NamedTuple):
+    """The last revolution of a leg, as it is flown without a correction.
+
+    Attributes
+    ----------
+    start : (6,) float64
+        State of the chaser at the first time, before the burn there [m, m/s].
+    times : (n,) float64
+        Of burns and possible corrections, in order [s].
+    burns : (n, 3) float64
+        Those of the leg; 0 where it has none [m/s].
+    end_s : float
+        Of the stand-off.
+    reached : (6,) float64
+        State there, by these burns alone.
+    """
+
+    start: Array
+    times: Array
+    burns: Array
+    end_s: float
+    reached: Array
+
+
+class Stretch(NamedTuple):
+    """Times [s] between which a leg is corrected, with the states of the chaser at both."""
+
+    begin_s: float
+    end_s: float
+    start: Array
+    reached: Array
+
+
+def last_lap(span: Stretch, burns: dict[float, Array]) -> LastLap:
+    """The last revolution over a span, the burns of the leg by time."""
+    start, begin_s, end_s = span.start, span.begin_s, span.end_s
+    places = np.linspace(begin_s, end_s, PLACES + 1)
+    times = np.array(sorted({*places.tolist(), *burns}))
+    made = np.array([burns.get(float(time), np.zeros(3)) for time in times])
+    return LastLap(start, times, made, end_s, span.reached)
+
+
+def correction_m_s(last: LastLap, goal: Array, fly: Fly) -> float | None:
+    """ΔV of the least impulses that lead to a goal; None if none are found [m/s].
+
+    Parameters
+    ----------
+    last : LastLap
+    goal : (6,) float64
+    fly : callable
+        The state at the end with all forces, from all impulses, shape (n, 3).
+    """
+    impulses = np.zeros_like(last.burns)
+    try:
+        for number in range(MOST_ROUNDS):
+            missing = goal - (fly(last.burns + impulses) if number else last.reached)
+            if math.hypot(*missing[:3]) <= CLOSE_M and math.hypot(*missing[3:]) <= CLOSE_M_S:
+                return math.fsum(math.hypot(*one) for one in impulses)
+            _, matrices, _ = coast.fly(
+                last.start, last.times, last.burns + impulses, last.end_s, FIELDS["j4"], True
+            )
+            effects = matrices[:, :, 3:]
+            change = missing + np.einsum("kij,kj->i", effects, impulses)
+            impulses = least_impulses(np.ascontiguousarray(effects), change).impulses
+            if not bool(np.isfinite(impulses).all()):
+                return None
+    except ArithmeticError:  # led into the Earth, or away from it
+        pass
+    return None
+
+
+BODY_STEPS = 72
+"""Steps per revolution of bodies, which forces move by kilometres: within some metres a week."""
+
+
+class Acting(NamedTuple):
+    """Forces on the chaser and on the bodies, as the library has them."""
+
+    chaser: Any
+    body: Any
+
+
+class LegCourse:
+    """Burns and windows of thrust of a leg before its approach.
+
+    Parameters
+    ----------
+    world : World
+    acting : Acting
+    leg : RefinedLeg
+
+    Raises
+    ------
+    ArithmeticError
+        No burn begins the approach.
+    """
+
+    def __init__(self, world: World, acting: Acting, leg: RefinedLeg) -> None:
+        self._world, self.acting = world, acting
+        self.burns = _burns_before(leg)
+        self._pushes = () if leg.thrust is None else tuple(pushes(leg.thrust))
+
+    def beside(
+        self, chaser: Array, body: Array, start_s: float, end_s: float
+    ) -> tuple[Array, Array]:
+        """States of chaser and body at the end, before the burn there."""
+        return self._flown(chaser, body, (start_s, end_s), self.burns)
+
+    def alone(
+        self, chaser: Array, start_s: float, end_s: float, burns: dict[float, Array]
+    ) -> Array:
+        """State of the chaser at the end, after the burn there; thrust as planned."""
+        found, _ = self._flown(chaser, None, (start_s, end_s), burns)
+        return kicked(found, burns, end_s)
+
+    def _flown(
+        self,
+        chaser: Array,
+        body: Array | None,
+        span_s: tuple[float, float],
+        burns: Mapping[float, Array],
+    ) -> tuple[Array, Array]:
+        now, end_s = span_s
+        times = {*burns, *(time for push in self._pushes for time in push[:2]), end_s}
+        for time in sorted(time for time in times if now < time <= end_s):
+            chaser = kicked(chaser, burns, now)
+            objects = [Moving(chaser, self.acting.chaser, self._push(now, time))]
+            if body is not None:
+                objects.append(Moving(body, self.acting.body, steps=BODY_STEPS))
+            chaser, *rest = self._world.coast(objects, now, time)
+            body = rest[0] if rest else None
+            now = time
+        return chaser, chaser if body is None else body
+
+    def _push(self, start_s: float, end_s: float) -> PushedWindow | None:
+        """Thrust between two times, with no beginning or end of a window between them."""
+        for push in self._pushes:
+            if push.begin_s <= start_s and end_s <= push.end_s:
+                return push
+        return None
+
+
+def kicked(state: Array, burns: Mapping[float, Array], time_s: float) -> Array:
+    """The state after the burn at a time, if there is one."""
+    if time_s not in burns:
+        return state
+    found: Array = state + np.concatenate([np.zeros(3), burns[time_s]])
+    return found
+
+
+def _burns_before(leg: RefinedLeg) -> dict[float, Array]:
+    """Burns before the approach, by time; those at one time together."""
+    found: dict[float, Array] = {}
+    for burn in leg.burns:
+        if burn.phase == "approach":
+            return found
+        found[burn.time_s] = found.get(burn.time_s, np.zeros(3)) + np.array(burn.delta_v_m_s)
+    raise ArithmeticError("no burn begins the approach; add the approach burns")
 
 
 def fly_forced(

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ..flight.result import TankFlight, WithTanks
+from ..flight.result import TankFlight, WithTanks, whole_sum
 from .settings import Forces
 
 
@@ -163,9 +163,7 @@ class ForcedFlight(WithTanks):
 
 def total(arrivals: Iterable[Off | None]) -> float | None:
     """Sum of corrections; None if one is unknown [m/s]."""
-    costs = [None if one is None else one.correction_m_s for one in arrivals]
-    known = [cost for cost in costs if cost is not None]
-    return math.fsum(known) if len(known) == len(costs) else None
+    return whole_sum(None if one is None else one.correction_m_s for one in arrivals)
 
 
 def _farthest(arrivals: Iterable[Off | None]) -> float:

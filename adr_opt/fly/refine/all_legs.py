@@ -33,12 +33,11 @@ from ...study import check_jobs
 from ...study.cluster import Cluster
 from ..flight.flyable import REFINED, refuse_broken_chain, refuse_what_cannot_be_refined
 from .bodies import MovingBodies, TrueBodies
-from .holding_estimate import holding_m_s
 from .one_leg import refine_leg
-from .propelled import propelled_by_leg
-from .reported import DEFAULT_GRAVITY, ReportedBodies, opened
+from .reported import DEFAULT_GRAVITY, ReportedBodies, holding_m_s, opened
 from .spiral import NoSpiral, spirals_by_leg
 from .thrust_leg import Tows, refine_thrust_leg
+from .thrust_task import propelled_by_leg
 
 GRAVITIES = ("two-body", "j2", "j3", "j4")
 FREEDOMS = ("free", "planned")

@@ -10,8 +10,8 @@ body keeps up with its mean model over the mission; what is left along the track
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import Literal, Protocol
+from collections.abc import Iterable, Mapping
+from typing import Literal, Protocol, Self
 
 import numpy as np
 
@@ -19,9 +19,57 @@ from ...common.constants import MU_M3_S2, OBLATENESS_M2
 from ...common.errors import InputError
 from ...kernels.orbits import coast, elements, equinoctial
 from ...kernels.orbits.gravity import FIELDS
-from ...kernels.orbits.short_periods import Array, osculating
+from ...kernels.orbits.short_periods import Array, mean_elements, osculating
+from ...plan.refined_plan import BodyState, RefinedPlan, RefinedState
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
+from ...sources.ephemerides import Ephemeris, ephemerides_of
+
+
+def near_circle(state: Array, zonals: Array) -> Array:
+    """Mean semi-major axis, eccentricity vector, inclination, node and argument of latitude.
+
+    Parameters
+    ----------
+    state : (6,) float64
+        Osculating and inertial [m, m/s].
+    zonals : (3,) float64
+        One of :data:`adr_opt.kernels.orbits.gravity.FIELDS`.
+
+    Returns
+    -------
+    (6,) float64
+        a [m], e cos ω, e sin ω, i, Ω, ω + M [rad].
+    """
+    frame = equinoctial.own_frame(state)
+    mean = equinoctial.state_of(mean_elements(state, frame, zonals), frame)
+    normal = np.cross(mean[:3], mean[3:])
+    normal /= np.linalg.norm(normal)
+    node = math.atan2(normal[0], -normal[1])
+    to_node = np.array([math.cos(node), math.sin(node), 0.0])
+    axes = np.array([to_node, np.cross(normal, to_node), normal])
+    of = equinoctial.elements(mean, axes)
+    inclination = math.acos(min(max(float(normal[2]), -1.0), 1.0))
+    return np.array([of[0], of[1], of[2], inclination, node, of[5]])
+
+
+def recorded(event: str, time_s: float, state: Array) -> RefinedState:
+    """A state of shape (6,) at an event, in the form of refined plans."""
+    values = state.tolist()
+    return RefinedState.model_validate(
+        {
+            "event": event,
+            "time_s": float(time_s),
+            "position_m": tuple(values[:3]),
+            "velocity_m_s": tuple(values[3:]),
+        }
+    )
+
+
+def state_of(known: RefinedState | BodyState) -> Array:
+    """A state as an array, shape (6,) [m, m/s]."""
+    return np.array([*known.position_m, *known.velocity_m_s])
+
 
 Gravity = Literal["two-body", "j2", "j3", "j4"]
 
@@ -169,3 +217,64 @@ def _ahead(state: Array, other: Array) -> float:
     frame = equinoctial.own_frame(other)
     first, second = (equinoctial.elements(one, frame)[5] for one in (state, other))
     return math.remainder(first - second, math.tau)
+
+
+class Whereabouts:
+    """States of bodies: as their ephemerides report, or moved freely from the epoch.
+
+    Parameters
+    ----------
+    refined : RefinedPlan
+    reported : mapping
+        Ephemerides of bodies that have one, if it was refined onto them.
+    """
+
+    def __init__(self, refined: RefinedPlan, reported: Mapping[str, Ephemeris]) -> None:
+        self.gravity: Gravity = refined.gravity
+        self._at_epoch = {body.name: state_of(body) for body in refined.bodies}
+        self._reported = reported
+
+    @classmethod
+    def of(cls, instance: Instance, refined: RefinedPlan) -> Self:
+        """Those of a refined plan of an instance.
+
+        Raises
+        ------
+        InputError
+            It was refined onto ephemerides that are missing, or others than the instance says.
+        """
+        if refined.ephemerides is None:
+            return cls(refined, {})
+        known = ephemerides_of(instance)
+        names = [body.name for body in refined.bodies if body.name in known.bodies]
+        return cls(refined, {name: known.of(name) for name in names})
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the bodies."""
+        return tuple(self._at_epoch)
+
+    def is_reported(self, name: str) -> bool:
+        """Whether the states of a body are those of its ephemeris."""
+        return name in self._reported
+
+    def source_of(self, name: str) -> str:
+        """Source of the states of a body, in words."""
+        return "as its ephemeris says" if self.is_reported(name) else "from the state at the epoch"
+
+    def state(self, name: str, time_s: float) -> Array:
+        """State of a body at a time since the epoch, shape (6,) [m, m/s]."""
+        if name in self._reported:
+            return self._reported[name].state(time_s)
+        return moved(self._at_epoch[name], time_s, self.gravity)
+
+    def along(self, name: str, times_s: Array) -> Array:
+        """States of a body at times in order, shape (times, 6) [m, m/s]."""
+        if name in self._reported:
+            return self._reported[name].state(times_s)
+        found = np.empty((times_s.size, 6))
+        now, before_s = self._at_epoch[name], 0.0
+        for at, time_s in enumerate(times_s.tolist()):
+            now = moved(now, time_s - before_s, self.gravity)
+            found[at], before_s = now, time_s
+        return found

@@ -13,10 +13,8 @@ from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
 from ...plan.refined_thrust import RefinedThrust
 from ..trajectory.sampling import FEWEST_INTERVALS, MOST_SAMPLES, SHORTEST_ARC_S, STEP_S, Arc
-from .bodies import Gravity, moved
-from .states import state_of
-from .thrust_states import thrust_states
-from .whereabouts import Whereabouts
+from .bodies import Gravity, Whereabouts, moved, state_of
+from .thrust_record import thrust_states
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ def least_impulses(effects: Array, change: Array, tolerance: float = 1e-3) -> Le
     rows = effects.transpose(1, 0, 2).reshape(equations, 3 * count)
     # Equations in units of their own: metres and radians in one system lose digits.
     scale = 1.0 / np.sqrt(np.sum(rows * rows, axis=1))
-    rows, aimed = rows * scale[:, None], change * scale
+    rows, wanted = rows * scale[:, None], change * scale
     products = (rows.reshape(equations, count, 3).transpose(1, 0, 2)).copy()
     squares = (products @ products.transpose(0, 2, 1)).reshape(count, equations * equations)
     weights = np.ones(count)
@@ -59,12 +59,12 @@ def least_impulses(effects: Array, change: Array, tolerance: float = 1e-3) -> Le
     for _ in range(MOST_ROUNDS):
         system = (weights @ squares).reshape(equations, equations)
         try:
-            dual = np.linalg.solve(system, aimed)
+            dual = np.linalg.solve(system, wanted)
         except np.linalg.LinAlgError:
             break
         primer = (dual @ rows).reshape(count, 3)
         lengths = np.sqrt(np.sum(primer * primer, axis=1))
-        bound = max(bound, float(dual @ aimed) / max(float(lengths.max()), 1e-300))
+        bound = max(bound, float(dual @ wanted) / max(float(lengths.max()), 1e-300))
         sizes = weights * lengths
         total = float(sizes.sum())
         if not np.isfinite(total):

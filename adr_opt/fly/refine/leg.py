@@ -206,8 +206,8 @@ def cheapen(course: LegEnds, flown: FlownImpulses) -> FlownImpulses:
     for _ in range(MOST_CONVEX):
         times, impulses = _with_candidates(course, flown)
         now = fly(course, times, impulses)
-        aimed = np.einsum("kij,kj->i", now.effects, now.impulses) - now.miss
-        least = least_impulses(now.effects, aimed)
+        wanted = np.einsum("kij,kj->i", now.effects, now.impulses) - now.miss
+        least = least_impulses(now.effects, wanted)
         found = fewest(now.effects, least.impulses)
         gain = 0.0
         while share > 0.02:

@@ -1,19 +1,61 @@
-"""Corrections of the model learned from refined legs."""
+"""Corrections of the model learned from refined legs and spirals."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from statistics import LinearRegression, linear_regression
+from collections.abc import Mapping
+from statistics import linear_regression
 
 from ...legs.corrections import Corrections, Key, Span
 from ...plan.leg_kinds import leg_kinds
 from ...plan.plan import Leg, Plan
-from ...plan.refined_plan import RefinedLeg, RefinedPlan
+from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
 from ...problem.instance import Instance
 from .all_legs import INTERRUPTED
-from .releases import strayed
-from .spiral_excess import spirals_excess_m_s
+from .troubles import strayed
+
+
+def spirals_excess_m_s(leg: RefinedLeg, masses_kg: Mapping[str, float]) -> float:
+    """ΔV by which a leg would have to cost more for the propellant of its spirals to be planned.
+
+    A spiral is flown with the mass of chaser and object, m + D. With the planned ΔV x the chaser is
+    left with (m + D) A − D, A = exp(−x / g₀ Isp), and in flight with less. A leg before the spiral
+    is charged with what leaves as little after the planned one; a leg that follows a launch with
+    the difference after it.
+
+    Parameters
+    ----------
+    leg : RefinedLeg
+    masses_kg : mapping of name to float
+        Of objects [kg].
+
+    Returns
+    -------
+    float
+        Not positive where spirals took less than planned [m/s].
+    """
+    found = 0.0
+    if leg.tow is not None and leg.tow.thrust is not None:
+        object_kg = masses_kg[leg.destination]
+        thrust = leg.tow.thrust
+        end_kg = thrust.mass_kg - thrust.propellant_kg
+        wanted = end_kg / _kept(leg.tow) - object_kg
+        found += thrust.exhaust_m_s * math.log((thrust.mass_kg - object_kg) / wanted)
+    before = leg.tow_before if leg.after_launch else None
+    if before is not None and before.thrust is not None:
+        object_kg = masses_kg[leg.origin]
+        thrust = before.thrust
+        planned = thrust.mass_kg * _kept(before) - object_kg
+        flown = thrust.mass_kg - thrust.propellant_kg - object_kg
+        found += thrust.exhaust_m_s * math.log(planned / flown)
+    return found
+
+
+def _kept(tow: RefinedTow) -> float:
+    """Share of the mass that the planned spiral leaves."""
+    assert tow.thrust is not None
+    return math.exp(-tow.planned_m_s / tow.thrust.exhaust_m_s)
+
 
 Cost = tuple[float, float]
 """Planned and flown ΔV [m/s]."""
@@ -122,12 +164,8 @@ def _line(legs: list[Cost], least: float, *, drifts: bool) -> tuple[float, float
     factor = max(least, math.fsum(flown) / math.fsum(planned))
     if not drifts:
         return factor, 0.0
-    line = _regression(planned, flown) if len(set(planned)) >= MOST_OF_A_LINE else None
+    line = linear_regression(planned, flown) if len(set(planned)) >= MOST_OF_A_LINE else None
     if line is not None and line.slope >= least and line.intercept >= 0.0:
         return line.slope, line.intercept
     excess = (math.fsum(flown) - math.fsum(planned)) / len(legs)
     return (1.0, excess) if excess > 0.0 else (factor, 0.0)
-
-
-def _regression(planned: Iterable[float], flown: Iterable[float]) -> LinearRegression:
-    return linear_regression(tuple(planned), tuple(flown))

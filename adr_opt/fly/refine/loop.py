@@ -24,12 +24,11 @@ from ...problem.support import refuse
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
 from ...run.methods import BOUNDS, PLANNERS
 from ..flight.flyable import REFINED
-from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
 from .all_legs import Wanted, refined_again
-from .holding import beginning, troubles
 from .lessons import Lessons
 from .reported import opened
+from .troubles import beginning, troubles
 
 MOST_ROUNDS = 10
 """Default maximum number of rounds."""
@@ -139,11 +138,6 @@ class _Best:
             self.kept = found
 
 
-def _overdrawn(tank: TankFlight) -> bool:
-    """Whether the model's ΔV overdraws a tank."""
-    return tank.planned_delta_v_m_s > tank.budget_m_s + DELTA_V_TOLERANCE_M_S
-
-
 def _rank(plan: Plan, refined: RefinedPlan) -> tuple[float, float]:
     return plan.objective, -refined.flown_delta_v_m_s
 
@@ -218,7 +212,7 @@ def solve_refined(  # noqa: PLR0913
     refuse(mission.instance, REFINED)
     if ephemerides:
         opened(mission.instance)  # what is wrong with them is said before planning
-    lessons, best, held = Lessons(mission.instance, spend_savings), _Best(), list[Round]()
+    lessons, best, history = Lessons(mission.instance, spend_savings), _Best(), list[Round]()
 
     able = [spec_of(method), *([spec_of(bound, BOUNDS)] if bound else [])]
     planning_jobs = jobs if any(one.uses_cores for one in able) else None
@@ -239,18 +233,18 @@ def solve_refined(  # noqa: PLR0913
     refining = Wanted(gravity, freedom, jobs, None, over, lambda done, total: None, ephemerides)
     known: dict[Hashable, RefinedLeg] = {}
     while True:
-        here = mission.corrected(lessons.corrections) if held else mission
+        here = mission.corrected(lessons.corrections) if history else mission
         result = run(PLANNERS, here, method, wanted, stop=stop, progress=progress, **hearing)
         if result.plan is None:
-            reason = f"round {len(held) + 1} found no plan: {method} ended with {result.status}"
-            return _ended(mission, result, best, tuple(held), reason)
+            reason = f"round {len(history) + 1} found no plan: {method} ended with {result.status}"
+            return _ended(mission, result, best, tuple(history), reason)
         plan = result.plan
         admitted = admit_made(mission.instance, plan, excused=MODEL_TANK if spend_savings else ())
         refined = refined_again(admitted, refining, known)
         wrong = troubles(kept_back, refined)
-        held.append(
+        history.append(
             Round(
-                len(held) + 1,
+                len(history) + 1,
                 here.connecting.corrections,
                 plan.objective,
                 refined.planned_delta_v_m_s,
@@ -259,15 +253,15 @@ def solve_refined(  # noqa: PLR0913
                 refined,
             )
         )
-        told(held[-1])
+        told(history[-1])
         best.hear(beginning(kept_back, plan, refined) if wrong else (plan, refined))
-        done = not wrong and (len(held) > 1 or not spend_savings)
+        done = not wrong and (len(history) > 1 or not spend_savings)
         if done:
-            return _ended(mission, result, best, tuple(held), "")
-        if over() or len(held) == rounds:
-            why = "interrupted" if over() else f"not within {len(held)} rounds"
+            return _ended(mission, result, best, tuple(history), "")
+        if over() or len(history) == rounds:
+            why = "interrupted" if over() else f"not within {len(history)} rounds"
             reason = f"no plan held: {why}; the last one: {'; '.join(wrong)}" if wrong else ""
-            return _ended(mission, result, best, tuple(held), reason, refined)
+            return _ended(mission, result, best, tuple(history), reason, refined)
         lessons.learn(plan, refined)
 
 
@@ -304,7 +298,11 @@ def _ended(
             routes=routes,
             notes=tuple(dict.fromkeys((*result.notes, *plan.notes))),
         )
-    over = [tank for tank in tanks_of(mission.instance, kept) if _overdrawn(tank)]
+    over = [
+        tank
+        for tank in tanks_of(mission.instance, kept)
+        if tank.planned_delta_v_m_s > tank.budget_m_s + DELTA_V_TOLERANCE_M_S
+    ]
     if over:
         worst = max(over, key=lambda tank: tank.planned_delta_v_m_s - tank.budget_m_s)
         said = (

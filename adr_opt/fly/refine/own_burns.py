@@ -48,8 +48,8 @@ def cheapest_near(
     share = 1.0
     for _ in range(MOST_CONVEX):
         now = fly(course, flown.times, flown.impulses)
-        aimed = np.einsum("kij,kj->i", now.effects, now.impulses) - now.miss
-        step = _least(now.effects, aimed, planned, weight) - now.impulses
+        wanted = np.einsum("kij,kj->i", now.effects, now.impulses) - now.miss
+        step = _least(now.effects, wanted, planned, weight) - now.impulses
         before = worth
         while share > 0.02:
             tried = _tried(course, limits, flown.times, now.impulses + share * step)
@@ -81,7 +81,7 @@ def _tried(
     return found if limits[0] <= low and high <= limits[1] else None
 
 
-def _least(effects: Array, aimed: Array, planned: Array, weight: float) -> Array:
+def _least(effects: Array, wanted: Array, planned: Array, weight: float) -> Array:
     """Optimal burns of the linearised problem."""
     own = np.flatnonzero(np.any(planned != 0.0, axis=1))
     count, equations, _ = effects.shape
@@ -95,6 +95,6 @@ def _least(effects: Array, aimed: Array, planned: Array, weight: float) -> Array
         rows = slice(equations + 3 * number, equations + 3 * number + 3)
         wide[at, rows] = np.eye(3)
         wide[count + number, rows] = -np.eye(3) / weight
-    found = least_impulses(wide, np.r_[aimed, planned[own].ravel()])
+    found = least_impulses(wide, np.r_[wanted, planned[own].ravel()])
     impulses: Array = found.impulses[:count] / scale[:, None]
     return impulses

@@ -10,6 +10,7 @@ the plan; where that is not enough, as much eccentricity is left as there is no 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -24,12 +25,10 @@ from ...plan.refined_plan import RefinedTow
 from ...plan.refined_thrust import RefinedThrust
 from ...plan.routes import routes_of
 from ...problem.instance import Instance
-from .bodies import TrueBodies
-from .near_circle import near_circle
-from .propelled import towing_by_leg
-from .states import recorded
+from .bodies import TrueBodies, near_circle, recorded
 from .thrust_guess import LEAST_THRESHOLD
 from .thrust_record import steered_arcs
+from .thrust_task import towing_by_leg
 
 ARC_S = 6.0 * 86400.0
 """Duration of arcs, about: in it the shadow moves by some degrees against the perigee."""
@@ -266,14 +265,14 @@ class _Task:
         size = mean[0] / self._tow.radius_m - 1.0
         return np.array([size, mean[1] - left[0], mean[2] - left[1]])
 
-    def _slope(self, spiral: _Spiral, left: Array) -> Array:
+    def _slope(
+        self, spiral: _Spiral, off: Array, left: Array, motion: Callable[[_Spiral], Array]
+    ) -> Array:
+        """Differences of the miss by force and laws, in averaged or in integrated motion."""
         count = 1 + spiral.shapes.size
         slope = np.empty((3, count))
-        here = self._off(self.predict(spiral), left)
-        for column in range(count):
-            step = np.zeros(count)
-            step[column] = STEP
-            slope[:, column] = (self._off(self.predict(spiral.moved(step)), left) - here) / STEP
+        for column, step in enumerate(STEP * np.eye(count)):
+            slope[:, column] = (self._off(motion(spiral.moved(step)), left) - off) / STEP
         return slope
 
     def _led(self, spiral: _Spiral, left: Array) -> _Spiral | None:
@@ -282,7 +281,8 @@ class _Task:
             off = self._off(self.predict(spiral), left)
             if float(np.abs(off).max()) < PREDICTED:
                 return spiral
-            spiral = spiral.moved(_least_step(self._slope(spiral, left), off))
+            slope = self._slope(spiral, off, left, self.predict)
+            spiral = spiral.moved(_least_step(slope, off))
         return None
 
     def predicted(self) -> _Spiral:
@@ -341,7 +341,7 @@ class _Task:
         left = self.predict(spiral)[1:3]
         if math.hypot(*left) < ROUND:
             left = np.zeros(2)
-        slope = self._slope(spiral, left)
+        slope = self._slope(spiral, self._off(self.predict(spiral), left), left, self.predict)
         now = spiral
         off = self._off(self._flown(now), left)
         share = 1.0
@@ -356,19 +356,10 @@ class _Task:
                 now, off = tried, found
             if after > 0.5 * before:
                 # Where windows begin to part, predictions do not know how flights change.
-                slope = self._flown_slope(now, off, left)
+                slope = self._slope(now, off, left, self._flown)
         if not self._misses(off, GOOD_M, GOOD_E) or now.force > 1.0:
             raise ArithmeticError("no spiral was found that leads to the disposal orbit in time")
         return now
-
-    def _flown_slope(self, spiral: _Spiral, off: Array, left: Array) -> Array:
-        count = 1 + spiral.shapes.size
-        slope = np.empty((3, count))
-        for column in range(count):
-            step = np.zeros(count)
-            step[column] = STEP
-            slope[:, column] = (self._off(self._flown(spiral.moved(step)), left) - off) / STEP
-        return slope
 
     def _flown(self, spiral: _Spiral) -> Array:
         return near_circle(self.integrate(spiral)[0], self._zonals)

@@ -16,16 +16,13 @@ from ...plan.plan import Leg
 from ...plan.refined_plan import RefinedBurn, RefinedLeg
 from ...plan.refined_thrust import RefinedThrust
 from ...problem.instance import Instance
-from .bodies import TrueBodies, moved
+from .bodies import TrueBodies, moved, recorded, state_of
 from .leg import FlownImpulses, LegEnds, close, residual
-from .propelled import Propelled
 from .spiral import SpiralTow, towed_by_spiral
-from .states import recorded, state_of
-from .thrust_close import closed
 from .thrust_guess import first_guess
 from .thrust_record import steered_arcs
-from .thrust_search import candidates, closed_again
-from .thrust_task import Integration, Programme, ThrustTask
+from .thrust_search import candidates, closed, closed_again
+from .thrust_task import Integration, Programme, Propelled, ThrustTask
 
 MOST_WINDOWS = 40000
 """Maximum number of windows of thrust in a leg."""

@@ -1,4 +1,4 @@
-"""Flown thrust as refined plans have it: arcs with their laws and windows."""
+"""Flown thrust as refined plans have it: arcs with their laws and windows, and states along it."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ import math
 
 import numpy as np
 
+from ...kernels.orbits import thrusting
+from ...kernels.orbits.gravity import FIELDS
 from ...kernels.orbits.short_periods import Array
 from ...kernels.orbits.thrusting import Push
-from ...plan.refined_thrust import SteeredArc
+from ...plan.refined_thrust import RefinedThrust, SteeredArc
+from .bodies import Gravity
 
 
 def steered_arcs(push: Push, laws: Array, windows: Array) -> tuple[SteeredArc, ...]:
@@ -35,3 +38,33 @@ def steered_arcs(push: Push, laws: Array, windows: Array) -> tuple[SteeredArc, .
         )
         mass = after
     return tuple(arcs)
+
+
+def thrust_states(
+    thrust: RefinedThrust, begin: Array, begin_s: float, times_s: Array, gravity: Gravity
+) -> Array:
+    """States of a flight with low thrust, shape (times, 6) [m, m/s].
+
+    Parameters
+    ----------
+    thrust : RefinedThrust
+    begin : (6,) float64
+        State before it [m, m/s].
+    begin_s : float
+        Its time [s].
+    times_s : (times,) float64
+        In order, none before that.
+    gravity : {"two-body", "j2", "j3", "j4"}
+    """
+    windows = [
+        (start, end, float(number))
+        for number, arc in enumerate(thrust.arcs)
+        for start, end in arc.windows_s
+    ]
+    laws = np.array([arc.steering for arc in thrust.arcs])
+    push = Push(thrust.force_n, thrust.exhaust_m_s, thrust.mass_kg, 0.0)
+    now = thrusting.elements_of(begin, begin_s)
+    found: Array = thrusting.follow(
+        now, times_s, np.array(windows).reshape(-1, 3), laws, push, FIELDS[gravity]
+    )
+    return found

@@ -1,7 +1,7 @@
 """Windows of low thrust, and what eccentricities ask for, stated once more for the judge.
 
 That of :mod:`adr_opt.kernels.legs.low_thrust_windows` and
-:mod:`adr_opt.kernels.legs.low_thrust_shapes`, with the circle summed up piece by piece.
+:mod:`adr_opt.kernels.legs.low_thrust_windows`, with the circle summed up piece by piece.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ from ..tables.stacked_timetables import lookup_in_column
 from ..tables.timetable import steps_begun
 from .episodes import clip, outlook_of, rules_of, state_of
 from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer
-from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY
+from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY, insert
 
 CHAINS = tuple((worth, share) for share in (0.0, 0.6) for worth in (200.0, 350.0, 600.0, 1200.0))
 """The chains: ΔV equivalent to an hour [m/s], and the share of the cheapest next move's cost that
@@ -199,6 +199,8 @@ def observe_lookahead(pool, episodes, order, first, last, into, prized, promises
             most[place], slack[place] = 0.0, -1.0
             promised, time_left, lead = -1.0, 0.0, -1.0
             for chain in range(chains):
+                # Larger than every number before, so that the stamps of earlier chains need no
+                # clearing.
                 mark += 1
                 worth, collected, end, rest = greedy_chain(
                     rules,
@@ -226,6 +228,7 @@ def observe_lookahead(pool, episodes, order, first, last, into, prized, promises
             promises.time_left[e, row], promises.lead[e, row] = time_left, lead
             greatest = max(greatest, most[place])
             most_slack = max(most_slack, slack[place])
+        # Comparisons are with the best of all moves, which is known only now.
         for place in range(count):
             seen = moves[e, rows[place], begin:]
             seen[BEHIND] = 1.0
@@ -267,14 +270,7 @@ def cheapest_moves(rules, state, per_gain, mask, rows):
         _, delta_v, after = rule_kernels.step(rules, state, row + 1)
         taken = after.resources.time - state.resources.time
         cost = (taken * PER_HOUR + delta_v / M_S_PER_HOUR) * per_gain[row + 1]
-        if count == FOLLOWED and cost >= costs[count - 1]:
-            continue
-        place = min(count, FOLLOWED - 1)
-        while place > 0 and costs[place - 1] > cost:
-            costs[place], rows[place] = costs[place - 1], rows[place - 1]
-            place -= 1
-        costs[place], rows[place] = cost, row
-        count = min(count + 1, FOLLOWED)
+        count = insert(cost, row, costs, rows, count)
     if mask[targets]:
         rows[count] = targets
         count += 1
@@ -317,6 +313,8 @@ def greedy_chain(rules, outlook, state, visited, move, gains, choosing, stamps):
     worth, collected = 0.0, 0.0
     choice = move
     _, _, chosen = rule_kernels.step(rules, state, choice)
+    # This ends: each move services a target that is new to the chain, or goes to the station, and
+    # the station is gone to from targets only.
     while choice >= 0:
         state = chosen
         body, time = choice, state.resources.time
@@ -344,6 +342,8 @@ def greedy_chain(rules, outlook, state, visited, move, gains, choosing, stamps):
                 if ready < guarded_until:
                     if lookup_in_column(home, table, k, ready)[0] > rest:
                         continue
+                # What the move after it adds is positive, so that what is too dear without it stays
+                # so.
                 if foresight > 0.0:
                     # In place: as a function of its own this took half of all the time.
                     next_cost = NOTHING_HOURS

@@ -284,6 +284,8 @@ def observe_transfer(pool, episodes, order, first, last, into, prized):
         # Costs first, in the order of the table's memory.
         for j in range(bodies):
             costs[j], ends[j], lefts[j], fits[j] = math.inf, math.inf, -math.inf, False
+            # The rules that make a move also say whether it is legal, so that no mask differs from
+            # them.
             if rule_kernels.may_go(rules, state, visited, j):
                 fits[j], costs[j], after_move = rule_kernels.step(rules, state, j)
                 ends[j], lefts[j] = after_move.resources.time, after_move.resources.left

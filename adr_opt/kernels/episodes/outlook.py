@@ -67,8 +67,8 @@ class Outlook(NamedTuple):
 
 
 @kernel
-def _insert(cost, item, costs, items, kept):
-    """Insert an item among the cheapest, in order; returns their new number."""
+def insert(cost, item, costs, items, kept):
+    """Insert an item among the cheapest, as many as ``costs`` holds; returns their new number."""
     if kept == costs.size and cost >= costs[kept - 1]:
         return kept
     place = min(kept, costs.size - 1)
@@ -114,10 +114,12 @@ def fill(bodies, table, service, outlook):
         kept = 0
         for j in range(count):
             if j != i and j != HOME:
-                kept = _insert(outlook.angle[i, j], j, costs, items, kept)
+                kept = insert(outlook.angle[i, j], j, costs, items, kept)
         outlook.near[i] = -1
         write(outlook.near[i], items[:kept])
         write(outlook.near_angle[i], costs[:kept])
+        # Ready times are rounded up to a step. Whoever is ready before may have a better departure,
+        # so that lines say what to look at first, and the table what it costs.
         for m in range(outlook.ahead.shape[1]):
             ready = timetable.after_steps(table, i, m)
             kept = 0
@@ -127,7 +129,7 @@ def fill(bodies, table, service, outlook):
                 delta_v, arrival = timetable.lookup(table, i, j, ready)
                 if math.isfinite(delta_v):
                     hours = (arrival + service[j] - ready) / 3600.0
-                    kept = _insert(hours + delta_v / M_S_PER_HOUR, j, best, who, kept)
+                    kept = insert(hours + delta_v / M_S_PER_HOUR, j, best, who, kept)
             outlook.ahead[i, m] = NOBODY
             for place in range(kept):
                 j = who[place]

@@ -53,6 +53,7 @@ def observe_published(pool, episodes, order, first, last, out, mask, legal):
         for row in range(targets + 1):
             j = episodes.body[e] if row == 0 else row
             at = targets + 2 + 6 * row
+            # Rows beyond a field are zero, so that one network takes fields of every size.
             if j >= pool.counts[slot, BODIES]:
                 for column in range(6):
                     out[e, at + column] = 0.0

@@ -1,4 +1,4 @@
-"""Episodes in uncertain worlds: what a move comes to (docs/model.md section 13).
+"""Episodes in uncertain worlds: the outcome of a move (docs/model.md section 13).
 
 Moves are chosen as planned, by the rules of :mod:`adr_opt.kernels.rules.rules`; then the world
 decides. Draws are those of rehearsals: a number for each key, by the state of the world
@@ -228,6 +228,7 @@ def fly(pool, episodes, worlds, e, destination):
     delta_v, arrival = timetable.lookup(rules.table, state.body, destination, has.time)
     kind = kind_of(pool, worlds, slot, rules, state, destination)
     spread = tables.factors[slot, states.model[e], kind, destination]
+    # Drawn by what is done and not by when: a world has the same legs for every policy.
     key = tables.target_keys[slot, destination, LEG_KEY]
     if refuels:
         key = tables.own_keys[slot, STATION_KEYS, episodes.refuelled[e]]

@@ -215,6 +215,8 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
     reference = 0.5 * (ri + rj)
     flight, flight_1, flight_2 = flight_time(ri, rj, wide_i, wide_j, f, reference)
     lap, lap_1, lap_2 = lap_time(reference, wide_j)
+    # The floor and the range of flight times are moved outwards by more than rounding: searches
+    # leave out all beyond them, and must not lose what lies on them.
     return Pair(
         ri,
         rj,
@@ -382,7 +384,7 @@ def burn_parts(pair, rule, revolutions, r):
     rest : float
         All burns after the turn likewise: they have one sense [m/s].
     chord : float
-        How much faster the chaser comes to the turn than it leaves [m/s].
+        Speed of the chaser at the turn, less its speed after it [m/s].
     square : float
         The product of the two speeds [m²/s²].
     """

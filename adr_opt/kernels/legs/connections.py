@@ -160,7 +160,7 @@ def _sift(pair, rule, sieve, grid, e, known, kept):
     e : int
         The event in it.
     known : (crossings,) float64
-        Least ΔV by which one arrives at each crossing who departs later [m/s]; brought up to date.
+        Least ΔV of later departures that arrive at each crossing [m/s]; brought up to date.
     kept : (rows,) int64
         Written; their costs in the grid are those of sequences that meet no zone.
     """
@@ -169,10 +169,14 @@ def _sift(pair, rule, sieve, grid, e, known, kept):
     count, cheapest = 0, math.inf
     crossing = grid.crossing[e]
     latest = min(sieve.longest, sieve.duration - grid.departure[e] - approach)
+    # Events are sifted from the last to the first. So a connection is dominated just where one that
+    # is known, by a crossing no later than its own, costs no more: rows are in order of arrival,
+    # and what was least at the crossings before is carried along. Rows are two crossings apart.
     for row in range(grid.time.shape[0]):
         if grid.time[row, e] > latest:
             break
         cheapest = min(cheapest, min(known[crossing - 1], known[crossing]))
+        # No sequence of the pair costs less than its floor: nothing later can be kept.
         if cheapest - resolution <= pair.floor_delta_v:
             break
         if grid.cost[row, e] < cheapest - resolution:
@@ -242,6 +246,8 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     at = room
     sieve = _Sieve(rule.zones.shape[0] > 0, approach, longest, duration, resolution)
     curves = phasing.curves_of(pair, rule)
+    # Blocks are a matter of storage: `known` is carried from one to the next, so that what is kept
+    # does not depend on their size.
     for end in range(events, 0, -BLOCK):
         begin = max(end - BLOCK, 0)
         _lay_out(pair, rule, curves, begin, end - begin, duration, grid)

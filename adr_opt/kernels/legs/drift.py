@@ -24,12 +24,195 @@ free phase. Teeth are half a lap away at most, which is 90 m/s for a leg of a da
 of three months.
 """
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 
-from ..core.compile import kernel
+from ...common.constants import TURN_RAD
+from ..core.compile import inlined, kernel
 from . import drift_pair
+from .drift_arcs import NodeSeries, coast, moved
 from .drift_free import first_guess, free_phase
-from .drift_laps import split
+from .drift_pair import climb_to, radius_of
+
+MOST_STEPS = 40
+"""Maximum number of Newton steps."""
+
+CLOSE_M, SHORT_S = 100.0, 86400.0
+"""Largest last step of a radius in a leg of one day, in proportion for longer ones: the error is of
+fourth order in it."""
+
+CLOSE_M_S = 5e-5
+"""Least saving for which a step of the inclination is taken [m/s]."""
+
+TIP_M_S = 1e-6
+"""Lower limit of N₁ and N₂ as divisors [m/s]."""
+
+NEARER, FAR = 0.25, 8.0
+"""A tooth is accepted without examining the next if the optimum is within this share of the way to
+it and N₁ and N₂ are this many times as large as that way: costs are then nearly a parabola."""
+
+
+class Split(NamedTuple):
+    """Split of a drift leg: ΔV, and the first burn's change of size, inclination and node.
+
+    All in m/s; infinite ΔV if no tooth lies between the altitude limits.
+    """
+
+    delta_v: float
+    climb: float
+    tilt: float
+    along: float
+
+
+@inlined
+def tooth(pair, task, radius, arcs, laps):
+    """The drift orbit that makes a number of laps, near one with known arcs.
+
+    Parameters
+    ----------
+    laps : float
+        A whole number: turns that the chaser gains beyond ``task.ahead``.
+
+    Returns
+    -------
+    radius : float
+        [m]; NaN if it is not found.
+    arcs : Coast
+    """
+    wanted = task.ahead + TURN_RAD * laps
+    for _ in range(MOST_STEPS):
+        share = (wanted - arcs.phase) / (arcs.phase_slope * radius)
+        # The phase falls about with the radius to the power of −1.5: the inverse of that series.
+        share *= 1.0 + share * (1.25 + share * (5.0 / 3.0))
+        step = min(max(share, -0.2), 0.2) * radius
+        # What is left is of the fourth order in the step, and of the first in how far that series
+        # is off, which the arcs beside the drift make it.
+        if abs(step) < CLOSE_M * max(1.0, task.span / SHORT_S):
+            return radius + step, moved(arcs, radius, step)
+        radius += step
+        arcs = coast(pair, task.span, radius)
+    return math.nan, arcs
+
+
+@inlined
+def node_series(pair, task, arcs):
+    """What is left of the node of a drift leg with given arcs.
+
+    With cosines of i_i + δ on the drift orbit, halfway to it before, and halfway on after it.
+    """
+    linear, c, s = pair.linear, pair.cosine_i, pair.sine_i
+    p0 = (arcs.node_drift + arcs.node_out) * c + arcs.node_back * pair.cosine
+    p0 += arcs.node_end * pair.cosine_j + pair.node_rate_j * pair.approach
+    p0 -= task.lag + pair.node_rate_i * task.span
+    p1 = -arcs.node_drift * s - 0.5 * (arcs.node_out * s + arcs.node_back * linear.sine)
+    p2 = -0.5 * arcs.node_drift * c - 0.125 * (arcs.node_out * c + arcs.node_back * pair.cosine)
+    p3 = arcs.node_drift * s / 6.0 + (arcs.node_out * s + arcs.node_back * linear.sine) / 48.0
+    return NodeSeries(p0, p1, p2, p3, arcs.node_drift * c / 24.0, -arcs.node_drift * s / 120.0)
+
+
+@inlined
+def tilt_at(pair, shape, series, climb, tilt, close):
+    """The best z for a given drift orbit, near a given z, and the resulting split.
+
+    Minimises (X² + (N₁ + N₂)²) / 2, which is convex but for the curvature of a cosine: Newton
+    steps. Between points where the slope is known to change its sign the interval is halved instead
+    where a step leaves it, or is not half of the step before: about a tip, where the slope jumps,
+    steps may go to and fro for ever.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    shape : float
+        E [m/s].
+    series : NodeSeries
+    climb, tilt : float
+        [m/s].
+    close : float
+        A step that saves less is not taken [m/s].
+    """
+    linear = pair.linear
+    per_speed = 1.0 / linear.speed
+    worth = linear.speed * linear.sine
+    rest = pair.climb - climb
+    flat_1, flat_2 = climb * climb + shape * shape, rest * rest + shape * shape
+    p0, p1, p2, p3, p4, p5 = series
+    low, high, before = -math.inf, math.inf, math.inf
+    node = first = second = 0.0
+    for _ in range(MOST_STEPS):
+        more = tilt * per_speed
+        node = -worth * (p0 + more * (p1 + more * (p2 + more * (p3 + more * (p4 + more * p5)))))
+        slope = p1 + more * (2.0 * p2 + more * (3.0 * p3 + more * (4.0 * p4 + more * 5.0 * p5)))
+        slope *= -worth * per_speed
+        left = linear.tilt - tilt
+        first, second = math.sqrt(flat_1 + tilt * tilt), math.sqrt(flat_2 + left * left)
+        turn = first + second
+        # At the tips of N₁ and N₂ the slope of one is that of the side that is come from.
+        inverse_1, inverse_2 = 1.0 / max(first, TIP_M_S), 1.0 / max(second, TIP_M_S)
+        inner = tilt * inverse_1 - left * inverse_2
+        gradient = node * slope + turn * inner
+        hessian = flat_1 * inverse_1 * inverse_1 * inverse_1
+        hessian += flat_2 * inverse_2 * inverse_2 * inverse_2
+        hessian = slope * slope + inner * inner + turn * hessian
+        hessian -= 2.0 * node * worth * per_speed * per_speed * (p2 + 3.0 * more * p3)
+        if gradient > 0.0:
+            high = tilt
+        else:
+            low = tilt
+        step = (
+            -gradient / hessian if hessian > 0.0 else -math.copysign(0.1 * linear.speed, gradient)
+        )
+        step = min(max(step, -0.1 * linear.speed), 0.1 * linear.speed)
+        to_and_fro = abs(step) > 0.5 * before and high - low < math.inf
+        if to_and_fro or not low < tilt + step < high:
+            step = 0.5 * (low + high) - tilt
+        # Only a step that saves more than the tolerance is taken.
+        if not gradient * gradient > 2.0 * close * abs(hessian) * (abs(node) + turn):
+            break
+        before = abs(step)
+        tilt += step
+    along = node * first / turn if turn > 0.0 else 0.0
+    return Split(math.sqrt(node * node + turn * turn), climb, tilt, along)
+
+
+@inlined
+def split(pair, task, free):
+    """The cheaper of the two teeth around a free-phase optimum.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    task : Task
+    free : Free
+
+    Returns
+    -------
+    Split
+    """
+    best = Split(math.inf, free.climb, free.tilt, 0.0)
+    radius = radius_of(pair, free.climb)
+    arcs = coast(pair, task.span, radius)
+    if arcs.drift <= 0.0:
+        return best
+    laps = (arcs.phase - task.ahead) / TURN_RAD
+    least, most = radius_of(pair, pair.least_climb), radius_of(pair, pair.most_climb)
+    nearer = float(math.floor(laps + 0.5))
+    other = nearer + 1.0 if laps > nearer else nearer - 1.0
+    for number in (nearer, other):
+        found, there = tooth(pair, task, radius, arcs, number)
+        if not (least <= found <= most) or there.drift <= 0.0:
+            continue
+        climb = climb_to(pair, found)
+        away = climb - free.climb
+        tilt = free.tilt + free.follow * away if FAR * abs(away) < free.room else free.tilt
+        series = node_series(pair, task, there)
+        way = tilt_at(pair, task.shape, series, climb, tilt, CLOSE_M_S)
+        if way.delta_v < best.delta_v:
+            best = way
+        if abs(laps - nearer) < NEARER and FAR * (1.0 - NEARER) / NEARER * abs(away) < free.room:
+            break
+    return best
 
 
 @kernel

@@ -231,6 +231,8 @@ def least_turns(pair, span, shape, bowl, rest_of_node, climb, tilt):
         least = math.sqrt(2.0 * max(value - gain, 0.0))
         climb, tilt = climb + step_y, tilt + step_z
         follow, room = -yz / zz, 0.0 if at_limit else min(first, second)
+        # A Newton step leaves an error of its own square over the distance to a tip, where the
+        # function bends most: a step for which that is little enough is the last one.
         size = abs(step_y) + abs(step_z)
         is_sure = gain < GAIN_M_S * (abs(node) + turn)
         if size < close or (is_sure and size * size < near * (room - TIP_ROOM_M_S)):

@@ -1,6 +1,6 @@
 """Drift legs on a grid of departure and arrival times: those that no other dominates.
 
-A leg is priced with its phase (:mod:`.drift_laps`) only where the optimum of free phase is cheap
+A leg is priced with its phase (:mod:`.drift`) only where the optimum of free phase is cheap
 enough to be listed. From one arrival to the next that optimum changes by no more than the node
 moves on any drift orbit that could be paid for, so arrivals that are too dear are skipped.
 """
@@ -14,8 +14,8 @@ from ..core.compile import kernel
 from ..core.lists import chosen, wider
 from ..orbits import ephemeris
 from . import drift_linear
+from .drift import split
 from .drift_free import first_guess, free_phase
-from .drift_laps import split
 from .drift_pair import margin, radius_of, task_of
 
 SLACK_M_S = 0.3
@@ -203,6 +203,9 @@ def of_pair(pair, zones, times, duration, resolution, shorts, kept):
             climb, tilt, least = free.climb, free.tilt, free.least
             lag, last_t = leg.lag, t
             if least - SLACK_M_S >= below:
+                # No leg costs less than the optimum of free phase, up to the slack, and that
+                # changes by `change` at most from one arrival to the next: so arrivals are passed
+                # over until it may have come down to the limit.
                 if below < 0.7 * budget or below > budget:
                     budget, change = below, _change(pair, step, below)
                 looked = t + max(1, math.floor((least - SLACK_M_S - below) / change))

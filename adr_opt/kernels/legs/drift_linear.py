@@ -114,6 +114,7 @@ def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness, time):
         # The limit: Ω̇ / cos i is the same for every inclination.
         per_cosine = ephemeris.node_rate(mean_radius, 0.0, oblateness)
     reach = 0.5 * speed / mean_radius
+    # Linear in radius and inclination: Ω̇ goes with r^(−7/2) cos i, hence 7 and the tangent.
     return LinearPair(
         speed,
         sine,

@@ -118,6 +118,8 @@ def prepare(orbit_i, orbit_j, rule, time):
     latitude_i, latitude_rate_i = ephemeris.latitude_tangent(orbit_i, time)
     latitude_j, latitude_rate_j = ephemeris.latitude_tangent(orbit_j, time)
     speed_i = math.sqrt(MU_M3_S2 / ri)
+    # Arcs beside the drift orbit are taken at the mean of both radii for the first guess only: legs
+    # are priced with their own times (:func:`.drift_arcs.coast`).
     return DriftPair(
         linear,
         speed_i,

@@ -58,6 +58,8 @@ def _merged(shorts, kept, longs, step):
     revolutions, crossing = np.empty(size, np.int8), np.empty(size, np.int32)
     families = np.empty(size, np.int8)
     short, long = 0, 0
+    # Both lists are in order, so that the lesser of their heads is next. The rank of an arrival
+    # among all is its rank in its own list and the number in the other that come before it.
     for at in range(size):
         while short < kept.size and not kept[short]:
             short += 1

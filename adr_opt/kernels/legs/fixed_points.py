@@ -20,7 +20,7 @@ from ..core.compile import inlined, kernel
 from ..core.lists import rising
 from ..core.memory import borrowed
 from ..orbits import eccentricity
-from .curves import NODES
+from .phasing import NODES
 
 BLOCK = 128
 """Number of events laid out at once. Offsets within an array are known to the compiler, so that it
@@ -268,6 +268,9 @@ def _lower(facts, curve, found, size, laps, motion):
             rest = rest * after + curve[2 * NODES + n]
             chord = chord * after + curve[3 * NODES + n]
             square = square * after + curve[4 * NODES + n]
+        # Two successive steps whose ratio is small bound the contraction, and a residual below the
+        # error bounds the distance to the fixed point; else the sequence is unsure and solved by
+        # itself.
         error = facts[ERROR * BLOCK + e]
         sure = (
             (abs(lag_rate * left + shift - s) <= error)
@@ -341,6 +344,7 @@ def lay_out(pair, grid, numbers, bases, rows):
                 begin += 1
             while begin < end and base[end - 1] + row * lap > high + BAND_S:
                 end -= 1
+            # Bases ascend, so that events whose time is in the range of k are beside each other.
             if begin < end:
                 # Whole vectors: the rest of a loop that is none would take as long as all of it.
                 begin = begin // LANES * LANES

@@ -59,6 +59,8 @@ def weighted(pair, turn):
     with the mean speed as their factor.
     """
     of = pair.linear
+    # κ enters with every speed of the plane: the mean speed, the tilt and what moves the node by
+    # the radius. The rate by inclination is a ratio of two such, and stays.
     linear = LinearPair(
         turn * of.speed,
         of.sine,
@@ -78,31 +80,7 @@ def weighted(pair, turn):
         of.perigee_lag,
         of.perigee_lag_rate,
     )
-    return DriftPair(
-        linear,
-        pair.speed_i,
-        pair.climb,
-        pair.least_climb,
-        pair.most_climb,
-        pair.inclination_i,
-        pair.inclination_j,
-        pair.cosine,
-        pair.cosine_i,
-        pair.sine_i,
-        pair.cosine_j,
-        pair.node_rate_i,
-        pair.node_rate_j,
-        pair.latitude,
-        pair.latitude_rate_i,
-        pair.latitude_rate_j,
-        pair.lead,
-        pair.approach,
-        pair.half,
-        pair.fraction,
-        pair.oblateness,
-        pair.acceleration_i,
-        pair.acceleration_j,
-    )
+    return DriftPair(linear, *pair[1:])
 
 
 @inlined
@@ -259,6 +237,8 @@ def beside_ramps(pair, times, climb, tilt):
     sine = s + c * tilted
     curved, twelfth = pair.cosine, 1.0 / 12.0
     # Out: means less the trapezoid, of the product of both.
+    # Of two linear functions the mean product is less than the trapezoid by a sixth of the product
+    # of their rises, and the mean of a cosine is more by a twelfth of its curvature.
     mean, slope = _mean_seventh(speed, start), _mean_slope(speed, start)
     level, lower = 0.5 * (c + cosine), cosine - c
     off = mean - 0.5 * (start_7 + drifting_7)

@@ -9,10 +9,10 @@ and the node is split between both arcs in proportion to the two inner norms. Th
 
     t_k = (m_k v_e / F) (1 − exp(−ΔV_k / v_e)) / share,
 
-which X depends on: half of them is drifted on the orbits at either end. The times are those of the
-least root, which is come to from no time at all: the longer the arcs, the less is drifted, and
+which X depends on: half of them is drifted on the orbits at either end. The times are the
+least that fulfil this, found by beginning with none: the longer the arcs, the less is drifted, and
 mostly the more is left to do. What eccentricities ask for is added as a square
-(:mod:`.low_thrust_shapes`).
+(:mod:`.low_thrust_windows`).
 
 After Kéchichian, J. Guidance, Control, and Dynamics 20(5), 1997, 988–994, and Edelbaum; the split
 in two arcs derived anew.
@@ -23,9 +23,9 @@ from typing import NamedTuple
 
 from ...common.constants import TURN_RAD
 from ..core.compile import inlined
+from .drift import tilt_at
 from .drift_arcs import node_at
 from .drift_free import Rest, first_guess, least_turns, with_bowl
-from .drift_laps import tilt_at
 from .low_thrust_arcs import ArcTimes, arc_times, beside_ramps, chord, longitude_gained, node_series
 
 MOST_ROUNDS = 60
@@ -193,6 +193,8 @@ def free_split(pair, task, thrust, steering):
     most = room * max(shares[0], shares[1])
     now = starting(ArcTimes(0.0, 0.0))
     last, follow = NEVER, 0.0
+    # Times of thrust begin at none and mostly rise, so that they come to the least of their roots;
+    # once they take more than all of the time, no root is left.
     for number in range(MOST_ROUNDS):
         known = task.lag + pair.node_rate_i * (task.span - 0.5 * now.times.first)
         known -= pair.node_rate_j * (0.5 * now.times.second + pair.approach)
@@ -234,6 +236,7 @@ def tooth_split(pair, task, thrust, steering, free, follow, laps):
     speed, climb, tilt = pair.speed_i - free.climb, free.climb, free.tilt
     now = starting(free.times)
     for _ in range(MOST_ROUNDS):
+        # The longitude rises with the speed of the drift orbit: Newton steps find the only root.
         for _ in range(MOST_ROUNDS):
             gained, slope = longitude_gained(pair, room - now.here, now.times, speed)
             step = (wanted - gained) / slope

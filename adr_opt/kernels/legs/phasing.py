@@ -16,7 +16,26 @@ import numpy as np
 from ..core.compile import inlined, kernel
 from ..orbits.ephemeris import planes_drift
 from . import co_elliptic, precession
-from .curves import NODES, Curves
+
+NODES = 16
+"""Number of interpolation nodes, a constant so that the compiler unrolls the loop over them."""
+
+
+class Curves(NamedTuple):
+    """Costs of the sequences of a pair by flight time, for each number of revolutions.
+
+    Attributes
+    ----------
+    time : (revolutions + 1, nodes) float64
+        Flight times of the nodes [s].
+    coefficients : (revolutions + 1, 5, nodes) float64
+        Newton's divided differences of the four numbers, and of ε (:mod:`.precession`) under J2;
+        none where limits are wide.
+    """
+
+    time: np.ndarray
+    coefficients: np.ndarray
+
 
 WIDE = 0.17
 """Half the span of the altitude limits, as a share of their mean radius, up to which this number of
@@ -83,6 +102,9 @@ def curves_of(pair, rule):
             for part in range(4):
                 own[part, n] = values[part, n]
             own[4, n] = precession.carried(pair, rule, k, radius[n], time[k, n]) if drifts else 0.0
+        # Newton's divided differences, in place. The flight time rises with the radius, so that
+        # nodes are distinct; with Leja's order the products stay of one size, and no digits are
+        # lost.
         for first in range(1, NODES):
             for n in range(first, NODES):
                 share = 1.0 / (time[k, n] - time[k, first - 1])

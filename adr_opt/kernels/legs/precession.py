@@ -192,6 +192,8 @@ def fixed_point(pair, rule, half_turns, revolutions, departure, stand_off, alpha
     """
     r, theta = pair.reference, 0.0
     steps = MOST_STEPS + 1
+    # A contraction by the ratio of node rates to mean motions, some thousandths, over sin θ: the
+    # error after a step is less than the step. Where planes nearly coincide it may not converge.
     for number in range(MOST_STEPS):
         time = stand_off - departure
         r = co_elliptic.phasing_radius(pair, rule, revolutions, time)

@@ -3,8 +3,8 @@
 Nothing is regular here as it is between two bodies: the lines of nodes move, so events are found
 one by one (:mod:`.precession`); sequences of one event leave within seconds of it, and those that
 meet the target on one crossing arrive within seconds of each other. To be found in one row of a
-network, departures are rounded down to whole steps from the event: who takes the connection has to
-be ready by then, and leaves up to a step later.
+network, departures are rounded down to whole steps from the event: a chaser has to be ready by
+then, and leaves up to a step later.
 
 Sequences are settled many at a time (:mod:`.fixed_points`). Those that are not sure there, or would
 have to wait for a zone, are settled one by one, and only where an estimate says that one may be
@@ -162,6 +162,8 @@ def _settled(pair, rule, curves, half_turns, number, met, below):
             climb, rest, chord, square, shift = phasing.parts_at(curves, k, time)
             angle = tilt + sines * math.sin(0.5 * (lag + shift)) ** 2
             estimate = co_elliptic.whole(climb, rest, chord, square * angle, matching)
+            # The estimate errs by less than what is taken off, so that no cheaper sequence is left
+            # out.
             estimate += pair.fixed_delta_v
             if estimate - ERROR_M_S - BEND_M_S * (shift / theta) ** 2 >= min(below, best):
                 continue
@@ -248,6 +250,8 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
             )
         better, arrival = best < below, stand_off + approach
         crossing = min(max(first + 2 * row, 1), known.until.size - 1)
+        # Sequences of one crossing arrive within seconds, and crossings of other events are counted
+        # from lines that move: of the last few the time of arrival decides.
         for c in range(max(crossing - 3, 0), crossing + 1):
             if not better or known.until[c] <= arrival + SLACK_S:
                 cheapest = min(cheapest, known.delta_v[c])
@@ -322,6 +326,7 @@ def short(pair, rule, duration, spacing, most, leave_by, resolution):
     grid, count, ends = fixed_points.grid_of(curves, rows), 0, np.empty(size + 1, np.int64)
     ends[size] = 0
     approach = rule.approach_revolutions * lap
+    # From the last event to the first, as dominance looks at later departures only.
     for end in range(size, 0, -BLOCK):
         begin = max(end - BLOCK, 0)
         in_time = duration - numbers[begin, 0] - approach - pair.shortest + 2.0 * BAND_S

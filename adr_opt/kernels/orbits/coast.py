@@ -165,6 +165,7 @@ def coast(state, duration, zonals, matrix):
         for axis in range(3):
             force[i, axis] = spare[axis]
     angle = 0.0
+    # Equal steps: with others the method would not be symplectic, and the energy would drift.
     for _ in range(steps):
         _stages(state, lost, h, zonals, place, force, short, spare)
         if matrix.shape[0] > 0:
@@ -191,6 +192,8 @@ def coast(state, duration, zonals, matrix):
         cross_z = x * state[1] - y * state[0]
         cross = math.sqrt(cross_x * cross_x + cross_y * cross_y + cross_z * cross_z)
         angle += math.atan2(cross, x * state[0] + y * state[1] + z * state[2])
+        # The polynomial through the pull at this step's stages, continued, is the guess of the
+        # next.
         for i in range(STAGES):
             for axis in range(3):
                 total = 0.0
@@ -263,6 +266,7 @@ def fly(start, times, impulses, end, zonals, with_matrices):
         for axis in range(3):
             now[3 + axis] += impulses[b, axis]
         until = times[b + 1] if b + 1 < count else end
+        # Arcs are flown from identity, and multiplied from the end: each product is used again.
         if with_matrices:
             for axis in range(6):
                 arcs[b, axis, axis] = 1.0

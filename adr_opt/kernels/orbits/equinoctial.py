@@ -70,6 +70,8 @@ def elements(state, frame):
     f, g = e0 * x0 + e1 * x1 + e2 * x2, e0 * y0 + e1 * y1 + e2 * y2
     x = p[0] * x0 + p[1] * x1 + p[2] * x2
     y = p[0] * y0 + p[1] * y1 + p[2] * y2
+    # The eccentric longitude F by its sine and cosine, and from it λ = F + g cos F − f sin F, which
+    # is Kepler's equation in these elements.
     root = math.sqrt(1.0 - f * f - g * g)
     beta = 1.0 / (1.0 + root)
     cosine = f + ((1.0 - f * f * beta) * x - f * g * beta * y) / (axis_m * root)

@@ -58,6 +58,7 @@ def rates(state, oblateness, slopes):
     cosine = hz / h
     square = cosine * cosine
     root = math.sqrt(min(parameter * inverse, 1.0))
+    # Kozai's first-order rates (docs/drift.md), in p, 1/a and cos i alone.
     pull = 1.5 * oblateness / (parameter * parameter) * n
     anomaly = n + 0.5 * pull * root * (3.0 * square - 1.0)
     apsis = 0.5 * pull * (5.0 * square - 1.0)
@@ -129,6 +130,8 @@ def advance(state, anomaly, apsis, node):
     s = (x * u + y * v + z * w) / math.sqrt(MU_M3_S2 * a)  # e sin E
     left = anomaly - 2.0 * math.pi * math.floor(anomaly / (2.0 * math.pi) + 0.5)
     e = left + c * math.sin(left) - s * (1.0 - math.cos(left))
+    # The excess rises with e, its slope being r/a > 0, and the other terms are no more than
+    # `reach`: the root lies between the ends, and a Newton step that leaves them is halved instead.
     reach = 2.0 * math.sqrt(c * c + s * s) + 1e-12
     low, high = left - reach, left + reach
     for _ in range(MOST_STEPS):
@@ -218,6 +221,7 @@ def derivative(state, duration, oblateness):
                 matrix[i, j] = math.nan
         return matrix
     moved, above, end = np.empty(6), np.empty(6), np.empty(6)
+    # With all three angles held: a difference over one revolution, whatever the duration.
     for column in range(6):
         step = STEP_M if column < 3 else STEP_M_S
         for axis in range(6):

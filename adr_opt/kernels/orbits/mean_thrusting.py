@@ -53,6 +53,8 @@ def _rates(mean, acceleration, law, least, sun, rates):
     co, so = math.cos(node), math.sin(node)
     along = sun[0] * co + sun[1] * so
     ahead = (sun[1] * co - sun[0] * so) * c + sun[2] * s
+    # Gauss's equations to first order in e, summed over equidistant places. A cell in which thrust
+    # is switched counts in part, so that rates are smooth functions of the law.
     for place in range(PLACES):
         u = place * (2.0 * math.pi / PLACES)
         cu, su = math.cos(u), math.sin(u)
@@ -138,6 +140,7 @@ def fly(start, begin, until, push, arcs):
             share = _rates(mean, push.force / mass, law, least, sun, rates)
             if share * step > left:
                 step = left / share
+            # The midpoint rule: rates change with the orbit over days, and a step is hours.
             for axis in range(6):
                 half[axis] = mean[axis] + 0.5 * step * rates[axis]
             sun = sun_direction(push.since_j2000 + now + 0.5 * step)

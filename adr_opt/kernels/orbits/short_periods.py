@@ -54,11 +54,11 @@ def osculating(mean: Array, frame: Array, zonals: Array) -> Array:
 
 def mean_elements(state: Array, frame: Array, zonals: Array) -> Array:
     """Mean equinoctial elements of an osculating state: the inverse of :func:`osculating`."""
-    aimed = equinoctial.elements(state, frame)
-    mean: Array = aimed.copy()
+    given = equinoctial.elements(state, frame)
+    mean: Array = given.copy()
     for _ in range(ROUNDS):
         reached = equinoctial.elements(osculating(mean, frame, zonals), frame)
-        change = aimed - reached
+        change = given - reached
         change[5] = math.remainder(change[5], math.tau)
         mean = mean + change
         if abs(change[0]) < 1e-6 and float(np.abs(change[1:]).max()) < 1e-13:

@@ -311,6 +311,8 @@ def fly(now, until, push, arcs, zonals, windows):
         is_on = is_on and _is_on(now, now[6], law, least, sun_direction(push.since_j2000 + now[5]))
         while left > 0.0 and now[5] < latest:
             sun = sun_direction(push.since_j2000 + now[5])
+            # Steps end at switches, so that rates are smooth within each. An edge that is far away
+            # is approached first and asked for again from there: what perturbs the orbit moves it.
             edge, switches = _next_switch(now, is_on, law, least, sun)
             kept[:] = now
             engine = Engine(mass, flow if is_on else 0.0, push.force if is_on else 0.0, law)

@@ -10,11 +10,11 @@ keep millions of labels hold counts as one number, :func:`counts_of`.
 
 Code that relaxes or sorts resources has no sets of them to compare, and says so. Walks count ΔV in
 whole slots, sixteen at a time (:mod:`solvers.walks.sweeps`). Networks know the least that has been
-used by any way to a node (:mod:`solvers.models.network`, the windows of `ortools`). Fronts along an
-order are staircases that are searched by halving (:mod:`.schedule`, :mod:`solvers.orders.fronts`).
-Labels along an order keep the resources that their position does not tell
-(:mod:`solvers.orders.timed_order`). That one *connection* dominates another is a rule of its own,
-of departures and arrivals (:mod:`adr_opt.kernels.legs.connections`).
+used by any way to a node (:mod:`solvers.models.solver_network`, the windows of `ortools`). Fronts
+along an order are staircases that are searched by halving (:mod:`.schedule`,
+:mod:`solvers.orders.fronts`). Labels along an order keep the resources that their position does not
+tell (:mod:`solvers.orders.timed_order`). That one *connection* dominates another is a rule of its
+own, of departures and arrivals (:mod:`adr_opt.kernels.legs.connections`).
 """
 
 from typing import Any, NamedTuple

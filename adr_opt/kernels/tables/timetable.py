@@ -274,3 +274,23 @@ def sample(table, departures, delta_v, duration):
                     dv, arrival = lookup(table, i, j, departures[d])
                     delta_v[d, i, j] = dv
                     duration[d, i, j] = arrival - departures[d]
+
+
+@kernel
+def from_source(source, origins, ready, destinations, delta_v, arrival):
+    """Connections computed on demand.
+
+    Parameters
+    ----------
+    source : adr_opt.kernels.tables.on_demand.Source
+    origins : (legs,) int64
+    ready : (legs,) float64
+        Since when a chaser is free there [s].
+    destinations : (legs,) int64
+    delta_v, arrival : (legs,) float64
+        Written: [m/s], [s]; +inf where there is none.
+    """
+    for leg in range(destinations.size):
+        delta_v[leg], arrival[leg] = on_demand.chosen(
+            source, origins[leg], destinations[leg], ready[leg]
+        )

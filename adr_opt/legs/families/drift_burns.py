@@ -33,7 +33,7 @@ from ...kernels.legs.burns import (
     half_ellipse_speeds,
 )
 from ...kernels.legs.co_elliptic import TransferRule
-from ...kernels.legs.drift_laps import Split
+from ...kernels.legs.drift import Split
 from ...kernels.orbits import ephemeris
 from ...kernels.orbits.body_rows import with_orbit
 from ...plan.planes import Arcs, Plane, Turn, ahead, between, outward, turn_between, turned
@@ -89,11 +89,13 @@ def flown(
         The phase is not met in any way that was tried.
     """
     # Within the altitudes that zones were judged for, if there are burns that stay there.
-    for held in (True, False) if rule.zones.size else (False,):
+    for keeps_altitudes in (True, False) if rule.zones.size else (False,):
         for freedom in FREEDOM_S:
             if 2.0 * freedom > arrival - departure and freedom > FREEDOM_S[0]:
                 break
-            way = Drifting(orbit_i, orbit_j, rule, departure, arrival, freedom, held=held)
+            way = Drifting(
+                orbit_i, orbit_j, rule, departure, arrival, freedom, keeps_altitudes=keeps_altitudes
+            )
             found = way.flight()
             if found is not None:
                 return found
@@ -142,7 +144,7 @@ class Drifting:
         Of the connection: first and last moment of the transfer, approach included [s].
     freedom : float
         Largest delay of the departure, and advance of the arrival [s].
-    held : bool
+    keeps_altitudes : bool
         Whether the drift orbit stays within the altitudes that zones were judged for.
     """
 
@@ -155,11 +157,11 @@ class Drifting:
         arrival: float,
         freedom: float,
         *,
-        held: bool = False,
+        keeps_altitudes: bool = False,
     ) -> None:
         self._i, self._j, self._rule = orbit_i, orbit_j, rule
         self._departure, self._arrival, self._freedom = departure, arrival, freedom
-        self._held = held
+        self._keeps_altitudes = keeps_altitudes
         self._arcs = Arcs(rule.oblateness)
         # Burns lead from circle to circle; what eccentricity adds is stated beside them.
         circles = (with_orbit(orbit, eccentricity=0.0) for orbit in (orbit_i, orbit_j))
@@ -209,7 +211,7 @@ class Drifting:
 
     def _allowed(self, radius: float) -> bool:
         """Whether a radius is allowed for the drift orbit: with zones, only one already checked."""
-        if self._held:
+        if self._keeps_altitudes:
             margin = drift_pair.margin(self._planned - self._ri)
             if abs(radius - self._planned) > margin:
                 return False

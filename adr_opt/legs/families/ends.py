@@ -1,18 +1,181 @@
-"""Ends of legs: data that determine the legs of all pairs of an instance."""
+"""Ends of legs: data that determine the legs of all pairs of an instance.
+
+They also say until when bodies can be met within the limits of altitude (docs/model.md section
+1.5). A chaser passes the perigee of a body on its true orbit, at the size that this has by then.
+Where the perigee is below ``min_altitude_m``, no leg leads there, and where it sinks below, none
+later. A body whose circle is below from the beginning is one that the mission means to meet: then
+the limit is that circle. Neither are objects towed whose release is not near the circle of
+disposal.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from ...common.constants import SLACK_M_S, SLACK_S
-from ...kernels.legs.times import Times
-from ...plan.tows import leaving_eccentricity_delta_v, leaving_orbits
+from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S, SLACK_S
+from ...kernels.legs.departure_events import Times
+from ...kernels.orbits.ephemeris import EPOCH_S, revolution_at
+from ...plan.tows import RemovalFlight, leaving_eccentricity_delta_v, leaving_orbits, removals_of
 from ...problem.drives import Drive
 from ...problem.instance import Instance
-from ..altitude_limits import AltitudeLimits, altitude_limits
+from ...problem.orbit import Orbit
 from .family import FloatArray, PairEnds
+
+SPARE_S = 7200.0
+"""How long before a body is too low its last departure is: legs of a grid leave a lap later."""
+
+RELEASE_M, RELEASE_SPARE_M = 10e3, 100.0
+"""Largest distance of a release from the circle of disposal, as `check` has it, and the part of
+that which is kept for the harmonics."""
+
+MOST_ECCENTRICITY = 0.5
+"""Far above any with which a release is near a circle."""
+
+PLACES, HALVINGS = 72, 40
+"""Numbers of places of an orbit where tows may begin, and of halvings of a time."""
+
+
+class AltitudeLimits(NamedTuple):
+    """Latest times at bodies [s]: −inf for never, +inf where nothing sinks.
+
+    Attributes
+    ----------
+    arrive_by, leave_by : (bodies,) float64
+    """
+
+    arrive_by: FloatArray
+    leave_by: FloatArray
+
+    def bars(self, i: int, j: int) -> bool:
+        """Whether no leg leads from one body to another one."""
+        return bool(self.leave_by[i] < 0.0 or self.arrive_by[j] < 0.0)
+
+
+def altitude_limits(instance: Instance, drive: Drive | None) -> AltitudeLimits:
+    """Latest times at the bodies of an instance, for chasers with a drive or with impulses.
+
+    They are those of `check` less some time, so that no plan breaks them by rounding.
+    """
+    bodies = len(instance.names)
+    arrive_by, leave_by = np.full((2, bodies), math.inf)
+    if instance.given is not None:
+        return AltitudeLimits(arrive_by, leave_by)
+    tows, stays_s = removals_of(instance, drive), _stays_s(instance)
+    fits = [None] * instance.first_target + [target.fit for target in instance.targets]
+    opens = [0.0] * instance.first_target + [target.window_s[0] for target in instance.targets]
+    sinking = instance.decays_m_per_day
+    for body, orbit in enumerate(instance.body_orbits):
+        fit, sinks_m_s = fits[body], sinking[body] / DAY_S
+        offset = (0.0, 0.0) if fit is None else fit.eccentricity_offset
+        eccentricity = orbit.eccentricity + math.hypot(*offset)
+        if eccentricity == 0.0 and sinks_m_s <= 0.0:
+            continue
+        until = _above(orbit, eccentricity, sinks_m_s, instance.transfer.min_altitude_m)
+        tow = tows.get(body)
+        if tow is not None and tow.burns_m_s is not None:
+            shaped = orbit.semi_major_axis_m, min(eccentricity, MOST_ECCENTRICITY)
+            until = min(until, _released_well(*shaped, tow, sinks_m_s, instance.mission.duration_s))
+        leave_by[body] = until - SPARE_S + (0.0 if tow is None else tow.time_s)
+        arrive_by[body] = until - SPARE_S - stays_s[body]
+        if opens[body] > arrive_by[body]:
+            arrive_by[body] = -math.inf
+    for array in (arrive_by, leave_by):
+        array.setflags(write=False)
+    return AltitudeLimits(arrive_by, leave_by)
+
+
+def _above(orbit: Orbit, eccentricity: float, sinks_m_s: float, least_m: float) -> float:
+    """Until when the perigee of an orbit that sinks is above a limit; −inf if it never is [s]."""
+    axis = orbit.semi_major_axis_m
+    least = min(EARTH_RADIUS_M + least_m, axis)
+    spare = axis * (1.0 - eccentricity) - least
+    if spare < 0.0:
+        return -math.inf
+    return spare / ((1.0 - eccentricity) * sinks_m_s) if sinks_m_s > 0.0 else math.inf
+
+
+def _stays_s(instance: Instance) -> FloatArray:
+    """Time of a service at each body, or of a refuelling [s]."""
+    mission = instance.mission
+    laps_s = np.array([revolution_at(row, EPOCH_S) for row in instance.orbits()])
+    stays_s = mission.refuel_revolutions * laps_s
+    first, laps = instance.first_target, mission.service_revolutions
+    stays_s[first:] = mission.service_s if laps is None else laps * laps_s[first:]
+    return stays_s
+
+
+def _released_well(
+    size_m: float, eccentricity: float, tow: RemovalFlight, sinks_m_s: float, duration_s: float
+) -> float:
+    """Until when a tow that begins anywhere on an orbit ends near the circle of disposal [s]."""
+
+    def is_near(time_s: float) -> bool:
+        off = _release_off_m(size_m - sinks_m_s * time_s, eccentricity, tow)
+        return off <= RELEASE_M - RELEASE_SPARE_M
+
+    if not is_near(0.0):
+        return -math.inf
+    if is_near(duration_s):
+        return math.inf
+    low, high = 0.0, duration_s
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if is_near(middle) else (low, middle)
+    return low
+
+
+def _release_off_m(axis: float, eccentricity: float, tow: RemovalFlight) -> float:
+    """Largest distance of an apsis of the release from its circle, over all places of a tow [m].
+
+    Both burns are against the motion, and the time between them is that in which a circle turns by
+    half a revolution.
+    """
+    assert tow.burns_m_s is not None
+    true = np.arange(PLACES) * (math.tau / PLACES)
+    radius = axis * (1.0 - eccentricity**2) / (1.0 + eccentricity * np.cos(true))
+    x, y = radius * np.cos(true), radius * np.sin(true)
+    pace = math.sqrt(MU_M3_S2 / (axis * (1.0 - eccentricity**2)))
+    state = np.array([x, y, -pace * np.sin(true), pace * (eccentricity + np.cos(true))])
+    state[2:] *= 1.0 - tow.burns_m_s[0] / np.hypot(*state[2:])
+    half = 0.5 * (axis + tow.radius_m)
+    state = _coasted(state, math.pi * math.sqrt(half**3 / MU_M3_S2))
+    state[2:] *= 1.0 - tow.burns_m_s[1] / np.hypot(*state[2:])
+    size, shape = _size_and_shape(state)
+    apsides = np.array([size * (1.0 - shape), size * (1.0 + shape)])
+    return float(np.max(np.abs(apsides - tow.radius_m)))
+
+
+def _size_and_shape(state: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Semi-major axes [m] and eccentricities of states in one plane."""
+    radius, square = np.hypot(*state[:2]), state[2] ** 2 + state[3] ** 2
+    radial = state[0] * state[2] + state[1] * state[3]
+    vector = ((square - MU_M3_S2 / radius) * state[:2] - radial * state[2:]) / MU_M3_S2
+    return 1.0 / (2.0 / radius - square / MU_M3_S2), np.hypot(*vector)
+
+
+def _coasted(state: FloatArray, time_s: float) -> FloatArray:
+    """States in one plane, shape (4, states), after a time, by Lagrange's coefficients."""
+    radius = np.hypot(*state[:2])
+    axis = _size_and_shape(state)[0]
+    cosine = 1.0 - radius / axis
+    sine = (state[0] * state[2] + state[1] * state[3]) / np.sqrt(MU_M3_S2 * axis)
+    motion = np.sqrt(MU_M3_S2 / axis**3)
+    turned = motion * time_s
+    for _ in range(12):
+        c, s = np.cos(turned), np.sin(turned)
+        off = turned - cosine * s + sine * (1.0 - c) - motion * time_s
+        turned = turned - off / (1.0 - cosine * c + sine * s)
+    c, s = np.cos(turned), np.sin(turned)
+    there = axis * (1.0 - cosine * c + sine * s)
+    f, g = 1.0 - axis / radius * (1.0 - c), time_s - (turned - s) / motion
+    f_rate, g_rate = (
+        -np.sqrt(MU_M3_S2 * axis) / (there * radius) * s,
+        1.0 - axis / there * (1.0 - c),
+    )
+    return np.concatenate([f * state[:2] + g * state[2:], f_rate * state[:2] + g_rate * state[2:]])
 
 
 class AllEnds:

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ...kernels.legs.co_elliptic import TransferRule
+from ...kernels.legs.departure_events import Times
 from ...kernels.legs.found import ConnectionArrays
-from ...kernels.legs.times import Times
 from ...plan.leg_kinds import LegKind, leg_kinds
 from ...plan.phases import Phase
 from ...problem.drives import Drive

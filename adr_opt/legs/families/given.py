@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...kernels.legs.found import ConnectionArrays
-from ...kernels.legs.given_connections import sifted
+from ...kernels.legs.given import sifted
 from ...plan.leg_kinds import GIVEN
 from ...problem.instance import Instance
 from .family import FlownLeg, LegFamily, PairEnds, StatedLeg

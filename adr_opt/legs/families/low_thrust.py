@@ -1,14 +1,16 @@
-"""Legs of low thrust: thrust, drift and thrust again (docs/model.md section 11)."""
+"""Legs of low thrust: thrust, drift, thrust, by class of mass (docs/model.md section 11)."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from ...common.constants import SLACK_M_S, TURN_RAD
+from ...common.constants import DAY_S, SLACK_M_S, TURN_RAD
 from ...common.errors import InputError
-from ...kernels.legs import low_thrust, low_thrust_grid, low_thrust_windows
+from ...common.records import LARGEST_DURATION_S
+from ...kernels.legs import low_thrust, low_thrust_windows
 from ...kernels.legs.drift_grid import LongTransfers
 from ...kernels.legs.drift_pair import DriftPair
 from ...kernels.legs.found import ConnectionArrays
@@ -16,8 +18,10 @@ from ...kernels.legs.low_thrust import LowThrustLeg
 from ...kernels.legs.low_thrust_arcs import Thrust
 from ...kernels.orbits.ephemeris import EPOCH_S
 from ...plan.leg_kinds import LOW_THRUST
-from ...problem.drives import Drive, since_j2000_s
+from ...problem.drives import Drive, drive_of, since_j2000_s
 from ...problem.instance import Instance
+from ..connections import Connections
+from .ends import AllEnds
 from .family import FloatArray, FlownLeg, LegFamily, PairEnds, StatedLeg, ThrustArc
 from .merging import merged, of_family
 
@@ -48,14 +52,14 @@ class LowThrustLegs(LegFamily):
         thrust = Thrust(pushed, drive.exhaust_m_s)
         if ends.relaxed:
             resolution_m_s *= FINER
-        legs = low_thrust_grid.of_pair(
+        legs = low_thrust.of_pair(
             pair,
             thrust,
             ends.times,
             ends.latest_s,
             resolution_m_s,
             ends.relaxed,
-            low_thrust_grid.NONE_KNOWN,
+            low_thrust.NONE_KNOWN,
         )
         delta_v = legs.delta_v
         if ends.relaxed:  # also of the legs that are left out, as they save no more than that
@@ -76,7 +80,7 @@ class LowThrustLegs(LegFamily):
         times = ends.times._replace(most=min(ends.times.most, holds))
         known = heavier.departure / step, heavier.arrival / step
         leaves, lands = (np.rint(each).astype(np.int32) for each in known)
-        legs = low_thrust_grid.of_pair(
+        legs = low_thrust.of_pair(
             pair,
             thrust,
             times,
@@ -151,3 +155,104 @@ def _arcs(drift: DriftPair, leg: LowThrustLeg, stated: StatedLeg) -> tuple[Thrus
             )
         )
     return made[0], made[1]
+
+
+def of_mass(ends: PairEnds, mass_kg: float | None) -> PairEnds:
+    """The ends of a pair for chasers of a class with a largest mass [kg]; None for the heaviest."""
+    if ends.drive is None or mass_kg is None:
+        return ends
+    return ends._replace(drive=ends.drive._replace(heaviest_kg=mass_kg))
+
+
+def lighter(
+    family: LegFamily,
+    ends: PairEnds,
+    heaviest: ConnectionArrays,
+    classes_kg: Sequence[float],
+    resolution_m_s: float,
+) -> Iterator[tuple[float, ConnectionArrays]]:
+    """The connections of a pair by class of mass, without those that heavier classes dominate.
+
+    Parameters
+    ----------
+    family : LegFamily
+        That knows of masses.
+    ends : PairEnds
+    heaviest : ConnectionArrays
+        Those of the heaviest class.
+    classes_kg : sequence of float
+        Largest mass of each lighter class, the heaviest first [kg].
+    resolution_m_s : float
+        A connection that saves no more than this is dominated [m/s].
+    """
+    known = ConnectionArrays(*(column[heaviest.family == family.number] for column in heaviest))
+    for mass_kg in classes_kg:
+        found = family.of_class(of_mass(ends, mass_kg), known, resolution_m_s)
+        yield mass_kg, found
+        known = _joined((known, found))
+
+
+def by_departure(classes: Iterable[tuple[float, ConnectionArrays]]) -> Connections:
+    """Connections of several classes together, from their largest masses [kg], +inf for any."""
+    masses_kg, parts = zip(*classes, strict=True)
+    mass_kg = np.repeat(masses_kg, [part.departure.size for part in parts])
+    found = ConnectionArrays(*map(np.concatenate, zip(*parts, strict=True)))
+    order = np.lexsort((found.arrival, found.departure))
+    found = ConnectionArrays(*(column[order] for column in found))
+    return Connections(
+        found.departure,
+        found.arrival,
+        found.delta_v,
+        found.revolutions,
+        found.family,
+        mass_kg[order],
+    )
+
+
+def _joined(parts: tuple[ConnectionArrays, ConnectionArrays]) -> ConnectionArrays:
+    """Connections in order of departure."""
+    found = ConnectionArrays(*map(np.concatenate, zip(*parts, strict=True)))
+    order = np.argsort(found.departure, kind="stable")
+    return ConnectionArrays(*(column[order] for column in found))
+
+
+LONGER = 1.1
+"""Ratio of the durations that are tried."""
+
+
+def too_weak(instance: Instance) -> str | None:
+    """A sentence if no first leg of a chaser ends within the mission; else None.
+
+    Parameters
+    ----------
+    instance : Instance
+        All of whose chasers have low thrust; of any other nothing is said.
+    """
+    soonest, quickest, between = math.inf, math.inf, ("", "")
+    first, names = instance.first_target, instance.names
+    for number, chaser in enumerate(instance.chasers):
+        drive = drive_of(chaser, instance.targets)
+        if drive is None or chaser.is_launched:
+            return None
+        ends, start = AllEnds(instance, drive), instance.starts[number]
+        thrust = Thrust(drive.least_acceleration, drive.exhaust_m_s)
+        since = since_j2000_s(instance.epoch)
+        begin = instance.available_s[number][0]
+        for j in range(first, len(names)):
+            pair = low_thrust_windows.prepare(
+                ends.leaving[start], ends.arriving[j], ends.rule, since, EPOCH_S
+            )
+            span = instance.transfer.drift_step_s
+            while span < min(quickest, LARGEST_DURATION_S):
+                cost = low_thrust.delta_v(pair, thrust, begin, begin + span)
+                if cost <= chaser.tank.delta_v_m_s:
+                    quickest, between = span, (names[start], names[j])
+                    soonest = min(soonest, begin + span)
+                    break
+                span *= LONGER
+    if soonest <= instance.mission.duration_s or math.isinf(quickest):
+        return None
+    return (
+        f"the thrust is too small for any leg in the mission of {instance.mission.duration_s:g} s: "
+        f"the quickest, from {between[0]!r} to {between[1]!r}, takes some {quickest / DAY_S:.0f} d"
+    )

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from ...kernels.core.lists import ranks
 from ...kernels.legs.found import ConnectionArrays
-from ...kernels.legs.given_connections import undominated
+from ...kernels.legs.given import undominated
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from .crew import Crew
 from .criticality import criticality
 from .demands import Demands
 from .filters import Filters
-from .overview import Overview, overview
+from .propagation import Overview, overview
 from .reading import read
 from .records import Catalogue, Dropped, ElementSet
 from .wishes import Wish, read_wishes

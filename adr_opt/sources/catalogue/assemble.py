@@ -26,17 +26,15 @@ from ...problem.least_time import too_short
 from ...problem.orbit import Orbit
 from ...problem.settings import MissionSettings, TransferSettings
 from ...problem.transfer_sizes import transfers_for
-from .coming_down import end_windows
 from .crew import Crew
 from .demands import Demands, check_musts, filled, targets_of, told_left_out, told_masses
-from .drag import drag_warning
+from .drag import drag_warning, end_windows
 from .filters import Filters
 from .finding import ANY, Finder
 from .propagation import FLOAT, mean_elements, true_anomaly
 from .records import Catalogue, Dropped, ElementSet
 from .records import shown as shown_name
-from .selection import named, nearest, within_limits
-from .station import densest, parse_orbit
+from .selection import densest, named, nearest, parse_orbit, within_limits
 
 FAR_DAYS = 7.0
 """Distance of elements from the epoch that causes a warning: SGP4 loses kilometres a day."""

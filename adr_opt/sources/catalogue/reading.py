@@ -11,11 +11,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from ...common.errors import InputError
-from ..beginnings import UTF_16, ephemeris_format, head_of
-from .omm_csv import read_csv
-from .omm_json import read_json
-from .omm_kvn import read_kvn
-from .omm_xml import read_xml
+from ..file_formats import UTF_16, ephemeris_format, head_of
+from .omm_formats import read_csv, read_json, read_kvn, read_xml
 from .records import Catalogue, Dropped, ElementSet, shown
 from .tle import looks_like_tle, read_tle
 

@@ -10,7 +10,6 @@ they are.
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from collections.abc import Mapping
@@ -24,6 +23,7 @@ from ...common.errors import InputError
 from ...common.files import read_text
 from ...common.sentences import sentence
 from ...problem.bodies import Target
+from ..csv_table import csv_number, csv_rows
 from .filters import parse_range
 from .records import shown
 
@@ -60,31 +60,12 @@ def read_wishes(path: str | os.PathLike[str]) -> tuple[Wish, ...]:
     InputError
         It cannot be read, or a column or a value is wrong; the sentence says file and line.
     """
-    lines = read_text(path).removeprefix("\ufeff").splitlines()
-    rows = csv.reader(lines, strict=True, skipinitialspace=True)
-    header: list[str] = []
-    found = []
-    try:
-        for row in rows:
-            cells = [cell.strip() for cell in row]
-            if not any(cells):
-                continue
-            source = f"{path}: line {rows.line_num}"
-            if not header:
-                header = [cell.casefold() for cell in cells]
-                _check_header(header, source)
-                continue
-            if len(cells) != len(header):
-                raise InputError(f"{source}: {len(cells)} values under {len(header)} columns")
-            found.append(_wish(dict(zip(header, cells, strict=True)), source))
-    except csv.Error as error:
-        raise InputError(f"{path}: line {rows.line_num}: not a line of CSV ({error})") from None
-    if not header:
-        raise InputError(f"{path}: empty; give a line with the columns object, prize, …")
-    return tuple(found)
+    rows = csv_rows(read_text(path), path, _header, "object, prize, …")
+    return tuple(_wish(cells, source) for source, cells in rows)
 
 
-def _check_header(header: list[str], source: str) -> None:
+def _header(cells: list[str], source: str) -> list[str]:
+    header = [cell.casefold() for cell in cells]
     for at, name in enumerate(header):
         if name not in (*OBJECT, *COLUMNS):
             raise InputError(
@@ -94,6 +75,7 @@ def _check_header(header: list[str], source: str) -> None:
             raise InputError(f"{source}: two columns {name}; keep one")
     if sum(name in OBJECT for name in header) != 1:
         raise InputError(f"{source}: exactly one column must name the objects; call it object")
+    return header
 
 
 def _wish(cells: dict[str, str], source: str) -> Wish:
@@ -104,7 +86,7 @@ def _wish(cells: dict[str, str], source: str) -> Wish:
     for column, field in (("prize", "prize"), ("mass", "mass_kg")):
         text = cells.get(column)
         if text:
-            fields[field] = _number(text, f"{source}: {column}")
+            fields[field] = csv_number(text, f"{source}: {column}")
     if cells.get("required"):
         word = cells["required"].casefold()
         if word not in WORDS:
@@ -134,12 +116,5 @@ def _levels(text: str, where: str) -> tuple[tuple[float, float], ...]:
         days, colon, prize = part.partition(":")
         if not colon:
             raise InputError(f"{where} = {shown(part)!r}: must be days and a prize, as 365.25:98")
-        levels.append((DAY_S * _number(days, where), _number(prize, where)))
+        levels.append((DAY_S * csv_number(days, where), csv_number(prize, where)))
     return tuple(levels)
-
-
-def _number(text: str, where: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(f"{where} = {shown(text)!r}: must be a number") from None

@@ -13,11 +13,10 @@ from ...problem.frame import FRAMES, Frame
 from ...problem.frame_rotation import rotation
 from ..catalogue.records import shown
 from .coverage import Coverage, Span
-from .ephemeris import Array
+from .ephemeris import Array, TurningAxes
 from .interpolation import interpolated
 from .message_times import seconds_since
 from .oem_segment import MessageSegment
-from .turning import TurningAxes
 
 SYNONYMS = {"J2000": "EME2000", "TEMEOFDATE": "TEME", "TEMEOFEPOCH": "TEME"}
 """Names of frames beside those of :data:`adr_opt.problem.frame.FRAMES`."""

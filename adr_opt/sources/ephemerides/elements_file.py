@@ -11,6 +11,7 @@ from typing import Any
 
 from ...common.errors import InputError
 from ...common.json_text import parse_json
+from ...common.records import JSON_SCHEMA
 from ..catalogue.omm import read_message
 from ..catalogue.records import Dropped, ElementSet
 
@@ -70,7 +71,7 @@ def json_schema() -> dict[str, Any]:
         "BSTAR",
     }
     return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$schema": JSON_SCHEMA,
         "title": "ElementsFile",
         "type": "object",
         "properties": {

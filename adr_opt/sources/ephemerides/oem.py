@@ -1,4 +1,4 @@
-"""CCSDS Orbit Ephemeris Messages (502.0-B, section 5), in key-value notation here.
+"""CCSDS Orbit Ephemeris Messages (502.0-B, section 5), in key-value notation or XML.
 
 Reading finds the segments and their metadata; the states of a segment are parsed when they are
 asked for. Ephemerides in other formats become segments of such messages.
@@ -7,14 +7,92 @@ asked for. Ephemerides in other formats become segments of such messages.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from xml.parsers import expat
 
 from ...common.errors import InputError
-from ..beginnings import ephemeris_format, head_of
 from ..catalogue.records import shown
-from .modified_itc import read_itc
+from ..file_formats import XmlReader, ephemeris_format, head_of, new_parser
 from .oem_segment import MessageSegment, Rows, segment_of
-from .oem_xml import read_xml
-from .stk import read_stk
+from .other_formats import read_itc, read_stk
+
+STATE = ("EPOCH", "X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
+"""Elements of a state, in the order of a row."""
+
+UNITS = ("km", "km/s")
+"""The only permitted units of a state, which a file may repeat."""
+
+
+def read_xml(content: bytes, source: str) -> list[MessageSegment]:
+    """The segments of a message.
+
+    Raises
+    ------
+    InputError
+        It is none, or a segment lacks metadata or states.
+    """
+    reader = _Reader(source)
+    parser = new_parser(source, "an OEM")
+    reader.attach(parser)
+    try:
+        parser.Parse(content.removeprefix(b"\xef\xbb\xbf").lstrip(), True)
+    except expat.ExpatError as error:
+        raise InputError(
+            f"{source}: line {error.lineno}: not well-formed XML ({expat.ErrorString(error.code)})"
+        ) from None
+    return reader.found
+
+
+class _Reader(XmlReader):
+    """Collects metadata and states of the open segment."""
+
+    def __init__(self, source: str) -> None:
+        self.source, self.found = source, list[MessageSegment]()
+        self.fields, self.rows, self.state = dict[str, str](), Rows(), dict[str, str]()
+        self.inside, self.text, self.line, self.row_line = "", "", 0, 0
+
+    def open(self, tag: str, attributes: dict[str, str]) -> None:
+        """An element begins."""
+        tag, self.text = tag.rpartition(":")[2], ""
+        if tag == "segment":
+            self.fields, self.rows, self.line = {}, [], self.parser.CurrentLineNumber
+        elif tag in ("metadata", "stateVector"):
+            self.inside, self.state, self.row_line = tag, {}, self.parser.CurrentLineNumber
+        elif self.inside == "stateVector" and attributes.get("units", "km") not in UNITS:
+            raise InputError(
+                f"{self.source}: line {self.parser.CurrentLineNumber}: {tag} in "
+                f"{shown(attributes['units'])}, not in km or km/s"
+            )
+
+    def hear(self, text: str) -> None:
+        """Text of the open element."""
+        self.text += text
+
+    def close(self, tag: str) -> None:
+        """An element ends."""
+        tag = tag.rpartition(":")[2]
+        if tag == "stateVector":
+            missing = [name for name in STATE if name not in self.state]
+            if missing:
+                raise InputError(
+                    f"{self.source}: line {self.parser.CurrentLineNumber}: a state without "
+                    f"{missing[0]}"
+                )
+            row = " ".join(self.state[name] for name in STATE)
+            self.rows.append((self.row_line, row))
+        elif tag == "segment":
+            self.found.append(segment_of(self.source, self.line, self.fields, self.rows))
+        elif self.inside == "metadata" and tag not in ("COMMENT", "metadata"):
+            if tag in self.fields:
+                raise InputError(
+                    f"{self.source}: line {self.parser.CurrentLineNumber}: {shown(tag)} is given "
+                    "twice"
+                )
+            self.fields[tag] = self.text.strip()
+        elif self.inside == "stateVector":
+            self.state[tag] = self.text.strip()
+        if tag == self.inside:
+            self.inside = ""
+        self.text = ""
 
 
 def read_oem(content: bytes, source: str) -> list[MessageSegment]:

@@ -12,9 +12,8 @@ them, with limits; `zones` draws keep-out zones.
 from __future__ import annotations
 
 from .families import FAMILIES, Family, family
-from .make import EPOCH, by_name, family_of, generate
+from .make import EPOCH, by_name, draw_zones, family_of, generate
 from .stream import LARGEST_SEED
-from .zones import draw_zones
 
 __all__ = [
     "EPOCH",

@@ -7,18 +7,148 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any
 
+from ...common.constants import HOUR_S
 from ...common.errors import InputError
-from ...problem.bodies import Target
-from ...problem.chasers import AnyTank
+from ...problem.bodies import Station, Target
+from ...problem.chasers import AnyTank, AtStation, Chaser, InOrbit, Start, Tank
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from ...problem.settings import MissionSettings, TransferSettings
+from ...problem.settings import KeepOutZone, MissionSettings, TransferSettings
 from ...problem.transfer_sizes import transfers_for
 from .families import FAMILIES, Family, family
-from .fitting import fitted
-from .fleet import chasers_of, stations_of
-from .stream import LARGEST_SEED, stream
-from .zones import draw_zones
+from .stream import LARGEST_SEED, Uniform, stream
+
+FLEET_PURPOSE = 100
+"""First stream of additional stations and starts, which leave the field of a seed unchanged."""
+
+
+def stations_of(kind: Family, seed: int, count: int) -> tuple[Station, ...]:
+    """The station of a family, and additional ones at random target positions."""
+    if kind.station is None or count == 0:
+        return ()
+    uniform = stream(seed, FLEET_PURPOSE + kind.purpose)
+    orbits = [kind.station, *(kind.draw_target(uniform) for _ in range(count - 1))]
+    return tuple(
+        Station(name="station" if number == 1 else f"station-{number}", orbit=orbit)
+        for number, orbit in enumerate(orbits, start=1)
+    )
+
+
+def chasers_of(
+    kind: Family, seed: int, count: int, first: Orbit | None, stations: tuple[Station, ...]
+) -> tuple[Chaser, ...]:
+    """Identical chasers: at stations in turn, or in their own orbits, the first of which is given.
+
+    Or those that the family draws.
+    """
+    if kind.draw_chaser is not None:
+        return tuple(kind.draw_chaser(number) for number in range(count))
+    uniform = stream(seed, 2 * FLEET_PURPOSE + kind.purpose)
+    tank = Tank(delta_v_m_s=kind.delta_v_m_s)
+    return tuple(
+        Chaser(
+            name="chaser" if count == 1 else f"chaser-{number + 1}",
+            start=_start(kind, number, first, stations, uniform),
+            tank=tank,
+        )
+        for number in range(count)
+    )
+
+
+def _start(
+    kind: Family, number: int, first: Orbit | None, stations: tuple[Station, ...], uniform: Uniform
+) -> Start:
+    if first is None:
+        return AtStation(station=stations[number % len(stations)].name)
+    if number == 0 or kind.draw_start is None:
+        return InOrbit(orbit=first)
+    return InOrbit(orbit=kind.draw_start(uniform))
+
+
+ZONES_PURPOSE = 1
+"""Number of the stream: zones leave the field of a seed unchanged."""
+
+ZONE_ALTITUDE_KM = (680.0, 830.0)
+ZONE_THICKNESS_KM = (10.0, 25.0)
+ZONE_LENGTH_H = (6.0, 24.0)
+
+
+def draw_zones(seed: int, count: int, duration_s: float) -> tuple[KeepOutZone, ...]:
+    """Keep-out zones within 680–830 km, 10–25 km thick, 6–24 h long (docs/model.md section 6)."""
+    uniform = stream(seed, ZONES_PURPOSE)
+    zones = []
+    for _ in range(count):
+        thickness = uniform(*ZONE_THICKNESS_KM)
+        bottom = uniform(ZONE_ALTITUDE_KM[0], ZONE_ALTITUDE_KM[1] - thickness)
+        length = HOUR_S * uniform(*ZONE_LENGTH_H)
+        start = uniform(0.0, max(0.0, duration_s - length))
+        zones.append(
+            KeepOutZone(
+                min_altitude_m=round(1e3 * bottom, 3),
+                max_altitude_m=round(1e3 * (bottom + thickness), 3),
+                start_s=round(start, 3),
+                end_s=round(start + length, 3),
+            )
+        )
+    return tuple(zones)
+
+
+SUFFIX = "-fitted"
+"""Suffix of the names of such instances, which state no numbers and are in no library."""
+
+
+def fitted(
+    instance: Instance,
+    *,
+    tank: AnyTank | None = None,
+    kits: int | None = None,
+    kit_mass_kg: float | None = None,
+    towed_kg: float | None = None,
+    disposal_altitude_m: float | None = None,
+) -> Instance:
+    """The instance with other tanks, with kits or with tows; unchanged without arguments.
+
+    Parameters
+    ----------
+    instance : Instance
+    tank, kits, kit_mass_kg, towed_kg, disposal_altitude_m
+        As :func:`adr_opt.generate` takes them.
+
+    Raises
+    ------
+    InputError
+        Kits and tows together, one of them said by half, or masses in a tank that is counted in ΔV.
+    """
+    if kits is not None and towed_kg is not None:
+        raise InputError("a target takes a kit or is towed; give kits or a mass to tow")
+    if (towed_kg is None) != (disposal_altitude_m is None):
+        raise InputError("a tow needs a mass and a disposal altitude; give both or none")
+    carried = instance.chasers[0].kits is not None
+    if kit_mass_kg is not None and kits is None and (not carried or towed_kg is not None):
+        raise InputError(f"kit mass = {kit_mass_kg:g} kg: there are no kits; say how many")
+    of_chasers: dict[str, Any] = {}
+    of_targets: dict[str, Any] = {}
+    if tank is not None:
+        of_chasers["tank"] = tank
+    if kits is not None:
+        of_chasers["kits"], of_targets["removal"] = kits, "kit"
+    if kit_mass_kg is not None:
+        of_chasers["kit_mass_kg"] = kit_mass_kg
+    if towed_kg is not None:
+        of_chasers |= {"kits": None, "kit_mass_kg": 0.0}
+        of_targets |= {"removal": "tow", "mass_kg": towed_kg}
+    if not of_chasers and not of_targets:
+        return instance
+    mission = instance.mission
+    if disposal_altitude_m is not None:
+        mission = mission.replace(disposal_altitude_m=disposal_altitude_m)
+    return instance.replace(
+        name=f"{instance.name}{SUFFIX}",
+        chasers=tuple(chaser.replace(**of_chasers) for chaser in instance.chasers),
+        targets=tuple(target.replace(**of_targets) for target in instance.targets),
+        mission=mission,
+    )
+
 
 EPOCH = datetime(2026, 1, 1, tzinfo=UTC)
 MOST = 10**6

@@ -7,7 +7,6 @@ columns named as by CCSDS 508.0-B (Conjunction Data Message), with their units.
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Collection, Iterator
 from typing import Annotated, Any, Literal, Self
@@ -19,7 +18,10 @@ from ...common.errors import InputError
 from ...common.files import parse_model, read_text
 from ...common.records import Name, Record
 from ...common.sentences import sentence
+from ...problem.instance import Instance
 from ..catalogue.records import shown
+from ..csv_table import csv_number, csv_rows
+from .message_covariances import of_message
 from .target_error import TargetError
 
 Sigma = Annotated[float, Field(ge=0.0, le=1e6)]
@@ -125,27 +127,11 @@ def read_table(path: str | os.PathLike[str], bodies: Collection[str]) -> dict[st
 
 
 def _csv_rows(text: str, path: str) -> Iterator[tuple[str, TargetErrorRow]]:
-    rows = csv.reader(text.splitlines(), strict=True, skipinitialspace=True)
-    header: list[str] = []
-    try:
-        for row in rows:
-            cells, where = [cell.strip() for cell in row], f"{path}: line {rows.line_num}"
-            if not any(cells):
-                continue
-            if not header:
-                _check_header(cells, where)
-                header = cells
-            elif len(cells) != len(header):
-                raise InputError(f"{where}: {len(cells)} values under {len(header)} columns")
-            else:
-                yield where, _row(dict(zip(header, cells, strict=True)), where)
-    except csv.Error as error:
-        raise InputError(f"{path}: line {rows.line_num}: not a line of CSV ({error})") from None
-    if not header:
-        raise InputError(f"{path}: empty; give a line with the columns target, {SIGMAS[0]}, …")
+    for where, cells in csv_rows(text, path, _checked_header, f"target, {SIGMAS[0]}, …"):
+        yield where, _row(cells, where)
 
 
-def _check_header(header: list[str], where: str) -> None:
+def _checked_header(header: list[str], where: str) -> list[str]:
     for at, name in enumerate(header):
         if name not in COLUMNS:
             raise InputError(
@@ -159,16 +145,14 @@ def _check_header(header: list[str], where: str) -> None:
         raise InputError(f"{where}: a covariance needs the column {missing[0]}, too")
     if "target" not in header:
         raise InputError(f"{where}: no column names the bodies; call it target")
+    return header
 
 
 def _row(cells: dict[str, str], where: str) -> TargetErrorRow:
     numbers: dict[str, float] = {}
     for name, cell in cells.items():
         if name != "target" and cell:
-            try:
-                numbers[name] = float(cell)
-            except ValueError:
-                raise InputError(f"{where}: {name} = {shown(cell)!r}: must be a number") from None
+            numbers[name] = csv_number(cell, f"{where}: {name}")
     content: dict[str, Any] = {"target": cells["target"]}
     stated = [name for name, _, _ in TRIANGLE if name in numbers]
     if stated:
@@ -184,7 +168,21 @@ def _row(cells: dict[str, str], where: str) -> TargetErrorRow:
         raise InputError(f"{where}: {sentence(error)}") from None
 
 
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the file of errors of targets."""
-    schema = TargetErrorsFile.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+def read_target_errors(instance: Instance, path: str | os.PathLike[str]) -> dict[str, TargetError]:
+    """Errors of the bodies of an instance by name.
+
+    Parameters
+    ----------
+    instance : Instance
+    path : path
+        A table (:mod:`.table`), or a message in key-value notation, which begins with its version.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or states no errors.
+    """
+    text = read_text(path)
+    if text.lstrip("\ufeff \t\r\n").startswith("CCSDS_OEM_VERS"):
+        return of_message(instance, text, str(path))
+    return read_table(path, instance.names)

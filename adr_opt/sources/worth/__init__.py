@@ -10,15 +10,13 @@ equations are numbered in docs/worth.md.
 >>> made.of_set(made.best(10))  # doctest: +SKIP
 """
 
-from .answer import answer
+from .answer import answer, reason
 from .bodies import Bodies, bodies_of
 from .measures import Measures, MeasuresTable, read_measures
 from .prizes import RemovalPrizes, prizes_of
-from .reasons import reason
 from .satcat import Satcat, read_satcat
-from .set_worths import SetWorths
 from .worth import RemovalWorth, worth_of
-from .worth_file import load_set_worths, pairs_json
+from .worth_file import SetWorths, load_set_worths, pairs_json
 
 __all__ = [
     "Bodies",

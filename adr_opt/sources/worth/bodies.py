@@ -23,7 +23,45 @@ from ..catalogue.records import ElementSet
 from .air import ALTITUDES_KM, FLOAT
 from .measures import Measures
 from .satcat import Quantity, Satcat, SatcatRow
-from .stages import stage_of
+
+
+class StageFamily(NamedTuple):
+    """Dry mass [kg], and length and diameter where the source has them [m]."""
+
+    mass: float
+    source: str
+    length: float | None = None
+    diameter: float | None = None
+
+
+STAGES = {
+    "SL-16 R/B": StageFamily(9000.0, "A", 11.5, 3.9),
+    "SL-8 R/B": StageFamily(1435.0, "A", 6.0, 2.4),
+    "SL-3 R/B": StageFamily(1472.0, "D", 5.1, 2.4),
+    "SL-12 R/B(2)": StageFamily(2440.0, "B"),
+    "SL-23 R/B": StageFamily(9300.0, "C"),
+    "ATLAS 5 CENTAUR R/B": StageFamily(2030.0, "B"),
+    "BREEZE-M R/B": StageFamily(2370.0, "B"),
+    "CZ-2C R/B": StageFamily(4000.0, "B"),
+    "CZ-2D R/B": StageFamily(4000.0, "B"),
+    "CZ-4B R/B": StageFamily(2000.0, "B"),
+    "CZ-4C R/B": StageFamily(2000.0, "B"),
+    "DELTA 4 R/B": StageFamily(3420.0, "B"),
+    "FALCON 9 R/B": StageFamily(4250.0, "B"),
+    "FREGAT R/B": StageFamily(1000.0, "B"),
+    "H-2A R/B": StageFamily(3100.0, "B"),
+    "PEGASUS R/B": StageFamily(108.0, "B"),
+    "PSLV R/B": StageFamily(670.0, "B"),
+    "VEGA R/B": StageFamily(688.0, "B"),
+}
+"""By name in catalogues; the letter is that of the source above."""
+
+
+def stage_of(name: str) -> StageFamily | None:
+    """The stage that a name says, also among other words; None for other objects."""
+    words = f" {name.upper()} "
+    return next((stage for mark, stage in STAGES.items() if f" {mark} " in words), None)
+
 
 BALLISTIC_M2_KG = 12.741621
 """Drag coefficient × area over mass for a B* of one per Earth radius: 2 / ρ₀ of SGP4, with its

@@ -7,7 +7,6 @@ two columns may be left out, and an empty cell leaves things as they are.
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from collections.abc import Sequence
@@ -18,6 +17,7 @@ from ...common.files import read_text
 from ...common.wording import counted
 from ..catalogue.finding import Finder
 from ..catalogue.records import ElementSet, shown
+from ..csv_table import csv_number, csv_rows
 
 COLUMNS = ("mass", "size")
 
@@ -54,23 +54,7 @@ def read_measures(path: str | os.PathLike[str], records: Sequence[ElementSet]) -
         records.
     """
     finder, found, strange = Finder(records), dict[int, Measures](), list[str]()
-    rows = csv.reader(read_text(path).removeprefix("\ufeff").splitlines(), skipinitialspace=True)
-    header: list[str] = []
-    for row in rows:
-        cells = [cell.strip() for cell in row]
-        if not any(cells):
-            continue
-        where = f"{path}: line {rows.line_num}"
-        if not header:
-            header = [cell.casefold() for cell in cells]
-            if sorted(header) not in (
-                sorted(("object", *some)) for some in (COLUMNS, COLUMNS[:1], COLUMNS[1:])
-            ):
-                raise InputError(f"{where}: give the columns object, {', '.join(COLUMNS)}")
-            continue
-        if len(cells) != len(header):
-            raise InputError(f"{where}: {len(cells)} values under {len(header)} columns")
-        fields = dict(zip(header, cells, strict=True))
+    for where, fields in csv_rows(read_text(path), path, _header, "object, mass, size"):
         measures = Measures(*(_number(fields.get(name), where, name) for name in COLUMNS))
         if fields["object"] and not finder.all(fields["object"]):
             strange.append(fields["object"])
@@ -79,8 +63,6 @@ def read_measures(path: str | os.PathLike[str], records: Sequence[ElementSet]) -
         if at in found:
             raise InputError(f"{where}: {records[at].label} has a row already; keep one")
         found[at] = measures
-    if not header:
-        raise InputError(f"{path}: empty; give a line with the columns object, mass, size")
     if strange and not found:
         raise InputError(
             f"{path}: none of its {counted(len(strange), 'object')}, {shown(strange[0])!r} for "
@@ -89,13 +71,18 @@ def read_measures(path: str | os.PathLike[str], records: Sequence[ElementSet]) -
     return MeasuresTable(found, tuple(strange))
 
 
+def _header(cells: list[str], where: str) -> list[str]:
+    header = [cell.casefold() for cell in cells]
+    known = [sorted(("object", *some)) for some in (COLUMNS, COLUMNS[:1], COLUMNS[1:])]
+    if sorted(header) not in known:
+        raise InputError(f"{where}: give the columns object, {', '.join(COLUMNS)}")
+    return header
+
+
 def _number(text: str | None, where: str, name: str) -> float | None:
     if not text:
         return None
-    try:
-        value = float(text)
-    except ValueError:
-        raise InputError(f"{where}: {name} = {shown(text)!r}: must be a number") from None
+    value = csv_number(text, f"{where}: {name}")
     if not 0.0 < value < math.inf:
         raise InputError(f"{where}: {name} = {shown(text)}: must be positive")
     return value

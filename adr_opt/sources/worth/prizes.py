@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,38 +11,21 @@ import numpy as np
 from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ..catalogue.records import ElementSet
-from .air import FLOAT
+from ..csv_table import csv_text
+from .air import FLOAT, YEAR_S
 from .bodies import ends_km
-from .lifetimes import YEAR_S
 from .pairs import INDICES
 from .worth import UNIT, RemovalWorth
 
 DIGITS = 5
 """Digits of the largest prize, unless a unit is given."""
 
-DETAILS = (
-    "object",
-    "name",
-    "prize",
-    "unit",
-    "worth_alone",
-    "floor",
-    "kind",
-    "mass_kg",
-    "mass_source",
-    "size_m",
-    "size_source",
-    "area_to_mass_m2_kg",
-    "area_source",
-    "perigee_km",
-    "apogee_km",
-    "inclination_deg",
-    "lifetime_years",
-    "encounters_per_year",
-    "catastrophic_per_year",
-    "worst_partner",
-    "worst_partner_worth",
-)
+_DETAILS = """
+object name prize unit worth_alone floor kind mass_kg mass_source size_m size_source
+area_to_mass_m2_kg area_source perigee_km apogee_km inclination_deg lifetime_years
+encounters_per_year catastrophic_per_year worst_partner worst_partner_worth
+"""
+DETAILS = tuple(_DETAILS.split())
 """Columns of the file of details; worths are in fragment-years, the prize in units."""
 
 
@@ -95,7 +76,9 @@ class RemovalPrizes:
             )
             for place, (at, prize) in enumerate(zip(self.candidates, self.prizes, strict=True))
         ]
-        return _csv(("object", "prize", "mass", *(["prize_until"] if self.falling else [])), rows)
+        return csv_text(
+            ("object", "prize", "mass", *(["prize_until"] if self.falling else [])), rows
+        )
 
     def _until(self, place: int) -> tuple[str, ...]:
         """Falling prizes of a candidate, each with the days by which it has to be removed."""
@@ -110,7 +93,7 @@ class RemovalPrizes:
 
     def details_csv(self) -> str:
         """Table of all that is known of the candidates, under :data:`DETAILS`."""
-        return _csv(DETAILS, [self._detail(place) for place in range(len(self.candidates))])
+        return csv_text(DETAILS, [self._detail(place) for place in range(len(self.candidates))])
 
     def _detail(self, place: int) -> tuple[object, ...]:
         worth, at = self.worth, int(self.candidates[place])
@@ -195,11 +178,3 @@ def prizes_of(
 def reference(record: ElementSet) -> str:
     """Number, designator or name by which a table denotes an object."""
     return str(record.number) if record.number else record.designator or record.label
-
-
-def _csv(header: tuple[str, ...], rows: Sequence[tuple[object, ...]]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    return text.getvalue()

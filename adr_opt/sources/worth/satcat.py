@@ -15,20 +15,12 @@ from typing import NamedTuple
 from ...common.errors import InputError
 from ...common.files import read_text
 from ..catalogue.records import shown
+from ..csv_table import csv_number
 
-COLUMNS = (
-    "Satcat",
-    "Piece",
-    "Type",
-    "Mass",
-    "MassFlag",
-    "DryMass",
-    "DryFlag",
-    "Length",
-    "LFlag",
-    "Diameter",
-    "DFlag",
-)
+_COLUMNS = """
+Satcat Piece Type Mass MassFlag DryMass DryFlag Length LFlag Diameter DFlag
+"""
+COLUMNS = tuple(_COLUMNS.split())
 
 UNKNOWN = ("", "-")
 
@@ -151,10 +143,7 @@ def _quantity(fields: dict[str, str], name: str, flag: str, where: str) -> Quant
     text = fields[name]
     if text in UNKNOWN or fields[flag] == "-":
         return None
-    try:
-        value = float(text)
-    except ValueError:
-        raise InputError(f"{where}: {name} = {shown(text)!r}: must be a number") from None
+    value = csv_number(text, f"{where}: {name}")
     if not 0.0 <= value < math.inf:
         raise InputError(f"{where}: {name} = {shown(text)}: must not be negative")
     return None if value == 0.0 else Quantity(value, fields[flag] == "?")

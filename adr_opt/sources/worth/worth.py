@@ -11,12 +11,10 @@ import numpy as np
 from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...kernels.orbits.collisions import CollidingObjects, CollisionTables
-from .air import ACTIVITIES, FLOAT
+from .air import ACTIVITIES, FLOAT, LOWEST_M, YEAR_S, lifetimes
 from .bodies import Bodies
 from .breakup import ALTITUDE_STEP_M, CATASTROPHIC_J_KG, FRAGMENTS, KINDS, fragment_years
-from .lifetimes import LOWEST_M, YEAR_S, lifetimes
-from .pairs import INDICES, Show, shared, totals, with_one
-from .speeds import mean_speeds
+from .pairs import INDICES, Show, mean_speeds, shared, totals, with_one
 
 MOST_YEARS = 200.0
 """Longest horizon: beyond it neither the population nor the Sun can be said to stay as it is."""

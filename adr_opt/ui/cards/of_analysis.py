@@ -1,8 +1,9 @@
-"""Cards of trade-offs, priced orders, comparisons and replanning."""
+"""Cards of trade-offs, designs, priced orders, comparisons, replanning and rehearsals."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ...common.card import Card, CardTable, days, days_words, order_words
@@ -10,10 +11,64 @@ from ...common.wording import counted
 from .of_plan import legs_table
 
 if TYPE_CHECKING:
-    from ...analysis.comparison import Comparison
+    from ...analysis.comparison import Comparison, Side
+    from ...analysis.design import DesignPoint, DesignStudy
     from ...analysis.priced import PricedOrder, PricedRoute
-    from ...analysis.replanned import Replanned
+    from ...analysis.rehearse.rehearsals import Rehearsals
+    from ...analysis.replan.replanned import Replanned
     from ...analysis.trade.points import Point, Tradeoff
+
+
+def of_design_study(study: DesignStudy) -> Card:
+    """The card of a study; on a page, with its points."""
+    varied = " and ".join(
+        f"{axis.kind} ({counted(len(axis.values), 'value')})" for axis in study.axes
+    )
+    facts = (
+        varied,
+        f"{len(study.points)} of {counted(study.wanted, 'design')}",
+        f"{len(study.front)} on the front",
+        f"{study.runtime_s:.3g} s",
+    )
+    front = study.front
+    rows = [
+        (point.design.title, *_worths(point), _millions(point), "yes" if at in front else "")
+        for at, point in enumerate(study.points)
+    ]
+    heads = ("design", "planned", "avoided", "at most", "M€", "front")
+    return Card("DesignStudy", f"of {study.instance.name!r}", facts, (), (CardTable(heads, rows),))
+
+
+def of_design_point(point: DesignPoint) -> Card:
+    """The card of a point."""
+    _, worth, bound = _worths(point)
+    facts = (
+        f"{worth} avoided of at most {bound}",
+        f"{_millions(point)} million euros",
+        counted(point.launches, "launch", "launches"),
+        counted(point.removals, "removal"),
+    )
+    return Card("DesignPoint", f"at {point.design.title}", facts)
+
+
+def _worths(point: DesignPoint) -> tuple[str, str, str]:
+    values = [f"{value:,.6g}" for value in (point.floor, point.worth)]
+    return values[0], values[1], f"{point.bound:,.6g}" if math.isfinite(point.bound) else "–"
+
+
+def _millions(point: DesignPoint) -> str:
+    return f"{point.euros / 1e6:,.2f}"
+
+
+def of_rehearsals(made: Rehearsals) -> Card:
+    """The card of rehearsals; on a page, with the reasons of losses."""
+    told = made.to_dict()
+    facts = [counted(len(made.outcomes), "rehearsal"), f"by {made.policy}"]
+    if made.outcomes:
+        facts.append(f"prize {told['prize']['mean']:.4g} of {made.plan.objective:g} planned")
+    losses = tuple((reason, f"{mean:.3g} targets") for reason, mean in told["losses"].items())
+    return Card("Rehearsals", f"of {made.instance.name!r}", tuple(facts), losses)
+
 
 MENDED = {
     "leave-out": "mended without",
@@ -38,43 +93,32 @@ def of_tradeoff(made: Tradeoff) -> Card:
         f"{made.runtime_s:.3g} s",
     )
     drives = [kind for kind in DRIVES if any(axis.kind == kind for axis in made.axes)]
-    rows = [
-        (
-            *(f"{point.value(kind):g}" for kind in drives),
-            f"{point.delta_v_m_s:,.6g}",
-            days(point.duration_s),
-            *_prizes(point),
-            f"{point.visits}",
-            f"{point.cost:,.1f}" if math.isfinite(point.cost) else "–",
-            point.status,
-        )
-        for point in made.points
-    ]
-    heads = (
-        *(DRIVES[kind] for kind in drives),
-        "ΔV m/s",
-        "days",
-        "prize",
-        "at most",
-        "visits",
-        "cost",
-        "status",
-    )
-    return Card(
-        "Tradeoff", f"of {made.instance.name!r}", facts, (), (CardTable(heads, rows, texts=0),)
-    )
+
+    def value(kind: str) -> Callable[[Point], str]:
+        return lambda point: f"{point.value(kind):g}"
+
+    columns: dict[str, Callable[[Point], str]] = {
+        **{DRIVES[kind]: value(kind) for kind in drives},
+        "ΔV m/s": lambda point: f"{point.delta_v_m_s:,.6g}",
+        "days": lambda point: days(point.duration_s),
+        "prize": lambda point: _prize(point.prize),
+        "at most": lambda point: _prize(point.upper_bound),
+        "visits": lambda point: f"{point.visits}",
+        "cost": lambda point: f"{point.cost:,.1f}" if math.isfinite(point.cost) else "–",
+        "status": lambda point: point.status,
+    }
+    table = CardTable.of(((point,) for point in made.points), columns, texts=0)
+    return Card("Tradeoff", f"of {made.instance.name!r}", facts, (), (table,))
 
 
-def _prizes(point: Point) -> tuple[str, str]:
-    return tuple(
-        f"{value:g}" if math.isfinite(value) else "–" for value in (point.prize, point.upper_bound)
-    )  # type: ignore[return-value]
+def _prize(value: float) -> str:
+    return f"{value:g}" if math.isfinite(value) else "–"
 
 
 def of_point(point: Point) -> Card:
     """The card of a point."""
-    prize, bound = _prizes(point)
-    facts = [f"prize {prize} of at most {bound}", point.status]
+    said = f"prize {_prize(point.prize)} of at most {_prize(point.upper_bound)}"
+    facts = [said, point.status]
     if len(point.routes) == 1 and point.routes[0]:
         facts.append(order_words(point.routes[0]))
     said = f"at {point.delta_v_m_s:g} m/s and {days_words(point.duration_s)}"
@@ -91,7 +135,7 @@ def of_priced_order(priced: PricedOrder) -> Card:
         details.append((route.chaser, order_words(route.order) or "stays"))
         if not route.holds:
             details.append(("breaks", f"leg {len(route.legs) + 1} {route.reason}"))
-            ways = dict.fromkeys((MENDED[each.kind], each.body) for each in route.mendings)
+            ways = dict.fromkeys((MENDED[each.kind], each.body) for each in route.remedies)
             details += list(ways)[:MOST_MENDINGS]
     if priced.lacking:
         details.append(("required, and lacking", ", ".join(priced.lacking)))
@@ -109,27 +153,19 @@ def of_priced_route(route: PricedRoute) -> Card:
 
 def of_comparison(made: Comparison) -> Card:
     """The card of a comparison of plans."""
-    rows = [
-        (
-            side.name,
-            side.method,
-            side.status,
-            f"{side.objective:g}",
-            f"{side.visits}",
-            f"{side.delta_v_m_s:,.1f}",
-            days(side.end_s),
-            f"{side.violations}",
-        )
-        for side in made.sides
-    ]
-    heads = ("plan", "method", "status", "prize", "visits", "ΔV m/s", "ends day", "violations")
-    return Card(
-        "Comparison",
-        f"on {made.instance.name!r}",
-        (counted(len(made.sides), "plan"),),
-        (),
-        (CardTable(heads, rows, texts=3),),
-    )
+    columns: dict[str, Callable[[Side], str]] = {
+        "plan": lambda side: side.name,
+        "method": lambda side: side.method,
+        "status": lambda side: side.status,
+        "prize": lambda side: f"{side.objective:g}",
+        "visits": lambda side: f"{side.visits}",
+        "ΔV m/s": lambda side: f"{side.delta_v_m_s:,.1f}",
+        "ends day": lambda side: days(side.end_s),
+        "violations": lambda side: f"{side.violations}",
+    }
+    facts = (counted(len(made.sides), "plan"),)
+    table = CardTable.of(((side,) for side in made.sides), columns, texts=3)
+    return Card("Comparison", f"on {made.instance.name!r}", facts, (), (table,))
 
 
 def of_replanned(made: Replanned) -> Card:

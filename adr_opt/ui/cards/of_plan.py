@@ -1,51 +1,113 @@
-"""Cards of plans, routes and legs."""
+"""Cards of plans, routes, legs, results, refined plans and certificates."""
 
 from __future__ import annotations
 
+import itertools
+import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ...common.card import Card, CardTable, days, order_words
 from ...common.wording import counted
 
 if TYPE_CHECKING:
+    from ...fly.refine.loop import RefinedResult
+    from ...mission.result import Result
+    from ...plan.certificate import Certificate
     from ...plan.plan import Leg, Plan, Route
+    from ...plan.refined_plan import RefinedLeg, RefinedPlan
 
-HEADS = (
-    "chaser",
-    "from",
-    "to",
-    "leg",
-    "leaves day",
-    "arrives day",
-    "free day",
-    "ΔV m/s",
-    "left m/s",
-)
+
+def of_result(result: Result) -> Card:
+    """The card of a result: prize, proof, and the order by names."""
+    plan, bounded = result.plan, math.isfinite(result.upper_bound)
+    facts = []
+    if plan is not None:
+        facts.append(f"prize {result.objective:g}")
+    if bounded:
+        facts.append(f"at most {result.upper_bound:g}")
+    facts.append(result.status)
+    if plan is not None:
+        facts += [counted(len(plan.legs), "leg"), f"{plan.delta_v_m_s:,.1f} m/s"]
+    facts.append(f"{result.runtime_s:.3g} s")
+    if plan is not None and len(plan.routes) == 1 and plan.destinations:
+        facts.append(order_words(plan.destinations))
+    said = f"of {result.method!r}"
+    if plan is None:
+        return Card("Result", said, tuple(facts), tuple(("note", each) for each in result.notes))
+    said += f" on {plan.instance.name!r}"
+    details = [each for each in details_of(plan) if each[0] != "note"]
+    details += [("note", note) for note in result.notes]
+    details += [(name, f"{count:g}") for name, count in result.counters.items()]
+    return Card("Result", said, tuple(facts), tuple(details), (legs_table(plan.routes),))
+
+
+def of_refined_plan(refined: RefinedPlan) -> Card:
+    """The card of a refined plan; on a page, with planned and flown legs."""
+    facts: tuple[str, ...] = (
+        refined.status,
+        counted(len(refined.legs), "leg"),
+        f"planned {refined.planned_delta_v_m_s:,.1f} m/s",
+        f"flown {refined.flown_delta_v_m_s:,.1f} m/s",
+        refined.gravity,
+    )
+    if refined.ephemerides is not None:
+        facts = (*facts, "onto ephemerides", f"holding {refined.holding_m_s:,.1f} m/s")
+    columns: dict[str, Callable[[RefinedLeg], str]] = {
+        "from": lambda leg: leg.origin,
+        "to": lambda leg: leg.destination,
+        "leg": lambda leg: f"{leg.leg}",
+        "arrives day": lambda leg: days(leg.arrival_s),
+        "planned m/s": lambda leg: f"{leg.planned_delta_v_m_s:,.1f}",
+        "flown m/s": lambda leg: f"{leg.flown_delta_v_m_s:,.1f}",
+        "off m": lambda leg: f"{leg.residual_m:.1e}",
+    }
+    table = CardTable.of(((leg,) for leg in refined.legs), columns, texts=2)
+    details = tuple((f"leg {one.leg} is missing", one.reason) for one in refined.missing)
+    said = f"for {refined.instance.name!r}"
+    return Card("RefinedPlan", said, facts, details, (table,))
+
+
+def of_refined_result(made: RefinedResult) -> Card:
+    """The card of a plan refined until it holds."""
+    facts = ["it holds" if made.holds else made.reason, counted(len(made.rounds), "round")]
+    if made.plan is not None:
+        facts.append(f"prize {made.plan.objective:g}")
+    tables = () if made.refined is None else of_refined_plan(made.refined).tables
+    details = tuple(("", str(each)) for each in made.rounds)
+    return Card("RefinedResult", f"of {made.result.method!r}", tuple(facts), details, tables)
+
+
+def of_certificate(certificate: Certificate) -> Card:
+    """The card of a certificate."""
+    bound = certificate.upper_bound
+    facts = (
+        "no plan keeps to all rules" if bound is None else f"no plan collects more than {bound:g}",
+        counted(len(certificate.multipliers), "multiplier"),
+        counted(len(certificate.walks), "kind of walks", "kinds of walks"),
+    )
+    said = f"for {certificate.instance.name!r} by {certificate.method!r}"
+    return Card("Certificate", said, facts)
 
 
 def legs_table(routes: tuple[Route, ...]) -> CardTable:
     """All legs, in order, with times in days."""
-    rows, number = [], 0
-    for route in routes:
-        for leg in route.legs:
-            number += 1
-            rows.append(
-                (
-                    route.chaser,
-                    leg.origin,
-                    leg.destination,
-                    f"{number}",
-                    days(leg.leaves_s),
-                    days(leg.arrival_s),
-                    days(leg.done_s),
-                    f"{leg.spent_m_s:,.1f}",
-                    f"{leg.delta_v_left_m_s:,.1f}",
-                )
-            )
-    table = CardTable(HEADS, rows, texts=3)
-    if len(routes) > 1:
-        return table
-    return CardTable(HEADS[1:], [row[1:] for row in rows], texts=2)
+    columns: dict[str, Callable[[str, int, Leg], str]] = {
+        "chaser": lambda chaser, at, leg: chaser,
+        "from": lambda chaser, at, leg: leg.origin,
+        "to": lambda chaser, at, leg: leg.destination,
+        "leg": lambda chaser, at, leg: f"{at}",
+        "leaves day": lambda chaser, at, leg: days(leg.leaves_s),
+        "arrives day": lambda chaser, at, leg: days(leg.arrival_s),
+        "free day": lambda chaser, at, leg: days(leg.done_s),
+        "ΔV m/s": lambda chaser, at, leg: f"{leg.spent_m_s:,.1f}",
+        "left m/s": lambda chaser, at, leg: f"{leg.delta_v_left_m_s:,.1f}",
+    }
+    if len(routes) < 2:
+        del columns["chaser"]
+    numbers = itertools.count(1)
+    legs = ((route.chaser, next(numbers), leg) for route in routes for leg in route.legs)
+    return CardTable.of(legs, columns, texts=3 if len(routes) > 1 else 2)
 
 
 def certified(plan: Plan) -> tuple[str, ...]:

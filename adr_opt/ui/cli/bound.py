@@ -7,25 +7,25 @@ import math
 import click
 
 from ...common.errors import InputError
-from . import complete, take
+from . import complete, param
 from .certificates import certificate_option, check_certificate, save_certificate
 from .output import emit
 from .parameters import parse_assignments, run_options
 
 
 @click.command("bound")
-@take.instance
-@take.word(
+@param.instance
+@param.word(
     "--method",
     "NAME",
     "Bound; 'methods' lists them and the default.",
     shell_complete=complete.bounds,
 )
-@take.number("--time-limit", "S", "Wall-clock limit, timetable included; default 60 s.")
+@param.number("--time-limit", "S", "Wall-clock limit, timetable included; default 60 s.")
 @run_options
 @certificate_option
-@take.as_json
-@take.quiet
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     method: str | None,

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...common.errors import InputError
-from . import take
+from . import param
 from .output import say
 from .parameters import check_out
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...mission.result import Result
     from ...problem.instance import Instance
 
-certificate_option = take.file(
+certificate_option = param.file(
     "--certificate",
     "Certificate file to write, for 'verify'; FILE.gz is compressed.",
     name="certificate_path",

@@ -8,10 +8,9 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
-from .doubts import say_doubts
+from . import param
 from .flown import flight_line, flight_of, no_fly_option, was_refined
-from .output import emit, emit_json
+from .output import emit, emit_json, say_doubts
 from .parameters import about, admitted_plan
 
 if TYPE_CHECKING:
@@ -22,13 +21,13 @@ VIOLATED, UNASKED = "it has violations", "not requested"
 
 
 @click.command("check")
-@take.instance
-@take.plan
-@take.file(
+@param.instance
+@param.plan
+@param.file(
     "--refined-from", "Of a refined PLAN: the plan that it was made of.", name="planned_path"
 )
 @no_fly_option
-@take.as_json
+@param.as_json
 def command(
     instance_path: str, plan_path: str, planned_path: str | None, no_fly: bool, as_json: bool
 ) -> int:
@@ -39,7 +38,7 @@ def command(
     plan, states, burns and arcs are judged by a propagation of their own. Exit status 1: there are
     violations.
     """
-    from ...fly.flight.off_circles import off_circles
+    from ...fly.flight.flyable import off_circles
     from ...plan.refined_plan import is_refined
 
     if is_refined(plan_path):

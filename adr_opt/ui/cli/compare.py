@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from ...common.errors import InputError
-from . import complete, take
-from .output import emit, emit_json, emit_rich, say
+from . import complete, param
+from .output import emit, emit_json, emit_rich, say_written
 from .parameters import check_out
 
 if TYPE_CHECKING:
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
 
 @click.command("compare", short_help="Compare plans, leg by leg.")
-@take.instance
+@param.instance
 @click.argument(
     "plan_paths", nargs=-1, required=True, metavar="PLAN PLAN...", shell_complete=complete.files
 )
-@take.file("--page", "HTML file to write as well.", name="page_path")
-@take.flag("--all", "List the legs too that are the same.", name="tell_all")
-@take.as_json
-@take.quiet
+@param.file("--page", "HTML file to write as well.", name="page_path")
+@param.flag("--all", "List the legs too that are the same.", name="tell_all")
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_paths: tuple[str, ...],
@@ -56,7 +56,7 @@ def command(
     comparison = compare(instance, plans)
     if page_path is not None:
         write_page(page_path, compared_page(comparison))
-        say(f"wrote {page_path}", unless=quiet)
+        say_written(page_path, quiet=quiet)
     if as_json:
         emit_json(comparison.to_dict())
     else:
@@ -85,10 +85,10 @@ def _tell(comparison: Comparison, tell_all: bool) -> None:
 
 
 def _sides(comparison: Comparison) -> Table:
-    from ..report.compared import FIGURES, figures
+    from ..report.compared import FIGURES
     from .tables import number_table
 
-    rows = zip(FIGURES, *map(figures, comparison.sides), strict=True)
+    rows = ((title, *map(tell, comparison.sides)) for title, tell in FIGURES.items())
     return number_table(comparison.instance.name, comparison.plans, rows, first="")
 
 

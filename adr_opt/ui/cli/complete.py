@@ -16,20 +16,11 @@ VARIABLE = "_ADR_OPT_COMPLETE"
 
 Complete = Callable[[click.Context, click.Parameter, str], list[Any]]
 
-FAMILIES = (
-    "tiny",
-    "nominal",
-    "reduced-time",
-    "reduced-fuel",
-    "campaign",
-    "cloud",
-    "large",
-    "sso",
-    "rocket-bodies",
-    "removal",
-    "electric",
-    "fragment-cloud",
-)
+_FAMILIES = """
+tiny nominal reduced-time reduced-fuel campaign cloud large sso rocket-bodies removal electric
+fragment-cloud
+"""
+FAMILIES = tuple(_FAMILIES.split())
 """Families of the generator, which takes a second to import."""
 
 

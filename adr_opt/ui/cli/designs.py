@@ -11,8 +11,7 @@ from urllib.parse import quote
 from ...common.errors import MissingExtra
 from .output import emit_json, emit_rich, say
 from .parameters import check_out
-from .picture import write_picture
-from .plan_folder import check_folder, cleared, write_plan
+from .study_files import check_folder, cleared, write_picture, write_plan
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -69,8 +68,7 @@ def study(
     from ...sources.worth import load_set_worths
     from ..report.designs import designs_page
     from ..report.plain import write_page
-    from .bars import counting_bar
-    from .live import wanted
+    from .bars import counting_bar, wanted
     from .work import work
 
     check_out(outputs.results, instance_path, worth_path, results=(outputs.page, outputs.plot))
@@ -118,7 +116,7 @@ def study(
         }
         write_page(outputs.page, designs_page(made, relative))
     if outputs.plot is not None:
-        from ..plot.designs import designs_chart
+        from ..plot.studies import designs_chart
 
         write_picture(designs_chart(made), outputs.plot)
     for path in outputs:
@@ -133,7 +131,7 @@ def study(
 
 
 def _said(point: DesignPoint) -> str:
-    from ...sources.worth.reasons import figure
+    from ...sources.worth.answer import figure
 
     if point.plan is None:
         return f"no plan, at most {figure(point.bound)}"
@@ -167,10 +165,12 @@ def _write_plans(made: DesignStudy, folder: str, quiet: bool) -> dict[int, dict[
 
 
 def _table(made: DesignStudy) -> Table:
-    from ..report.designs import cells, headings
+    from ..report.designs import design_columns
     from .tables import number_table
 
     unit = made.rating.unit or "prize"
     title = f"{made.instance.name}: {len(made.points)} of {made.wanted} designs, in {unit}"
-    rows = (cells(made, at) for at in range(len(made.points)))
-    return number_table(title, headings(made), rows)
+    columns = design_columns(made)
+    points = enumerate(made.points)
+    rows = ([tell(*each) for tell in columns.values()] for each in points)
+    return number_table(title, columns, rows)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...common.wording import counted
-from . import take
+from . import param
 from .output import emit, emit_json
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ INTERNAL = {"bench", "dev", "docs", "peers", "readers", "test"}
 
 
 @click.command("doctor", short_help="Examine the installation and report problems.")
-@take.as_json
+@param.as_json
 def command(as_json: bool) -> int:
     """Examine the installation and report its problems.
 

@@ -10,7 +10,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
+from . import param
 from .output import emit_json, say
 from .parameters import about, admitted_plan, admitted_refined, check_out
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 @click.command(
     "export", short_help="Write the flight of PLAN as OEM, OPM, OCM, CZML or GMAT script."
 )
-@take.instance
-@take.plan
-@take.file("--out", "File to write: .oem, .opm, .ocm, .czml or .script.", required=True)
+@param.instance
+@param.plan
+@param.file("--out", "File to write: .oem, .opm, .ocm, .czml or .script.", required=True)
 @click.option(
     "--format",
     "format_",
@@ -38,24 +38,24 @@ if TYPE_CHECKING:
     help="Frame to rotate to, by default GCRF; or the name of the frame if INSTANCE states none, "
     "by default EME2000.",
 )
-@take.number(
+@param.number(
     "--step",
     "S",
     "Longest time between states in .oem and .czml; by default 60, or 300 on arcs longer than a "
     "day.",
     name="step_s",
 )
-@take.count("--leg", "N", "Only this leg, counting from 1.")
-@take.word("--body", "NAME", "For a refined plan: a visited body instead of the chaser.")
-@take.word("--chaser", "NAME", "Chaser to write; required if there are several, except for .czml.")
-@take.word(
+@param.count("--leg", "N", "Only this leg, counting from 1.")
+@param.word("--body", "NAME", "For a refined plan: a visited body instead of the chaser.")
+@param.word("--chaser", "NAME", "Chaser to write; required if there are several, except for .czml.")
+@param.word(
     "--object-id",
     "ID",
     "International designator of the object, like 2026-001A; by default UNKNOWN, or for a --body "
     "that in INSTANCE.",
 )
-@take.as_json
-@take.quiet
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_path: str,

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...common.errors import InputError
-from . import take
+from . import param
 from .signals import Aborted, signals_to
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 NOT_FLOWN = "not flown: "
 
-no_fly_option = take.flag("--no-fly", "Do not fly the plan in mean motion on the true orbits.")
+no_fly_option = param.flag("--no-fly", "Do not fly the plan in mean motion on the true orbits.")
 
 
 def flight_of(admitted: Admitted[Plan]) -> MeanFlight | str:

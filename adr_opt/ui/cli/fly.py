@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...common.wording import counted
-from . import take
+from . import param
 from .flown import tanks_told
 from .fly_errors import Sampling, error_options
 from .fly_forces import Asked, force_options
@@ -35,14 +35,14 @@ FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items(
 
 
 @click.command("fly", short_help="Fly the burns of PLAN and measure the misses.")
-@take.instance
-@take.plan
-@take.file("--out", "Plan file to write, with the result in its notes.")
+@param.instance
+@param.plan
+@param.file("--out", "Plan file to write, with the result in its notes.")
 @unjudged_option
 @force_options
 @error_options
-@take.as_json
-@take.quiet
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_path: str,
@@ -92,7 +92,7 @@ def command(
         return fly_and_tell(refined, plan_path, out, as_json, quiet, sampling)
 
     from ...fly.flight import fly
-    from ...fly.flight.off_circles import off_circles
+    from ...fly.flight.flyable import off_circles
 
     admitted = admitted_plan(instance_path, plan_path, unjudged=unjudged)
     say_unjudged(admitted, plan_path, quiet=quiet)

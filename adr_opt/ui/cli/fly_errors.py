@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
+from . import param
 from .output import emit, say
 
 if TYPE_CHECKING:
@@ -157,9 +157,9 @@ class Sampling(NamedTuple):
         )
 
 
-error_options = take.together(
+error_options = param.together(
     *(
-        take.word(name, metavar, text, type=kind, multiple=name in SEVERAL)
+        param.word(name, metavar, text, type=kind, multiple=name in SEVERAL)
         for name, kind, metavar, text in OPTIONS
     )
 )
@@ -179,20 +179,20 @@ def said(dispersion: Dispersion) -> list[str]:
     """The outcome of flights with errors, in sentences."""
     from ...fly.flight.result import tank_name
 
-    asked = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
+    share = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
     errors = dispersion.errors
     sentences = [
         f"{counted(dispersion.flights, 'flight')} with errors of {errors.burn_magnitude:g} of a "
         f"burn, {errors.burn_pointing_deg:g}°, {errors.navigation_position_m:g} m and "
         f"{errors.navigation_velocity_m_s:g} m/s (1σ): all legs take "
-        f"{dispersion.refined_delta_v_m_s:.1f} m/s without errors, and in {asked} of the flights "
+        f"{dispersion.refined_delta_v_m_s:.1f} m/s without errors, and in {share} of the flights "
         f"no more than {_with_interval(dispersion.delta_v_m_s, '.1f')} m/s"
     ]
     if dispersion.uncertain:
         before = dispersion.known_before_s
         lead = "a revolution" if before is None else f"{before:g} s"
         off = [leg.target_off_m.value for leg in dispersion.legs if leg.target_off_m is not None]
-        farthest = f"; in {asked} they are no more than {max(off) / 1e3:.3g} km off" if off else ""
+        farthest = f"; in {share} they are no more than {max(off) / 1e3:.3g} km off" if off else ""
         sentences.append(
             f"{counted(len(dispersion.uncertain), 'body', 'bodies')} of these legs may be "
             f"elsewhere than planned, known {lead} before the stand-off{farthest}"
@@ -201,12 +201,12 @@ def said(dispersion: Dispersion) -> list[str]:
         verdict = "holds" if tank.holds else "is not enough"
         sentences.append(
             f"{tank_name(tank.tank, tank.chaser)}, legs {tank.first_leg} to {tank.last_leg}: "
-            f"{asked} of the flights take no more than "
+            f"{share} of the flights take no more than "
             f"{_with_interval(tank.delta_v_m_s, '.1f')} of {tank.budget_m_s:g} m/s: {verdict}; "
             f"it breaks in {100.0 * tank.breaks_share:.3g} %"
         )
     sentences.append(
-        f"times are kept; {asked} of the flights wait no more than "
+        f"times are kept; {share} of the flights wait no more than "
         f"{_with_interval(dispersion.waits_s, '.0f')} s at stand-offs that they miss by half "
         f"their distance; {100.0 * dispersion.late_share:.3g} % are late for a departure by that"
     )
@@ -249,7 +249,7 @@ def _with_interval(quantile: Quantile, form: str) -> str:
 def _tell_legs(dispersion: Dispersion) -> None:
     from .tables import emit_legs, whose
 
-    asked = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
+    share = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
     off: list[tuple[str, Callable[[LegDispersion], str]]] = []
     if dispersion.uncertain:
         off.append(("target off\nkm", _target_off))
@@ -258,14 +258,14 @@ def _tell_legs(dispersion: Dispersion) -> None:
         (
             ("refined\nm/s", lambda leg: f"{leg.refined_delta_v_m_s:.1f}"),
             ("mean\nm/s", lambda leg: f"{leg.mean_delta_v_m_s:.1f}"),
-            (f"{asked}\nm/s", lambda leg: f"{leg.delta_v_m_s.value:.1f}"),
+            (f"{share}\nm/s", lambda leg: f"{leg.delta_v_m_s.value:.1f}"),
             ("stand-off\nm", lambda leg: f"{leg.standoff_miss_m.value:.0f}"),
             ("\nm/s", lambda leg: f"{leg.standoff_miss_m_s.value:.2g}"),
             *off,
             ("waits\n%", lambda leg: f"{100.0 * leg.waits_share:.1f}"),
         ),
         whose(dispersion.tanks),
-        f"with errors; upper limits of ΔV and stand-off miss in {asked} of the flights",
+        f"with errors; upper limits of ΔV and stand-off miss in {share} of the flights",
     )
 
 

@@ -8,7 +8,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
+from . import param
 from .flown import tanks_told
 from .output import emit, emit_json, say
 from .parameters import about
@@ -80,14 +80,14 @@ class Asked(NamedTuple):
         return Forces(**{name: value for name, value in said.items() if value is not None})
 
 
-force_options = take.together(
+force_options = param.together(
     click.option(
         "--forces",
         type=click.Choice(["j2", "full"]),
         default="j2",
         help="Fly a refined plan in its own field (j2, the default), or with all forces (full).",
     ),
-    *(take.number(name, metavar, text) for name, metavar, text in OPTIONS),
+    *(param.number(name, metavar, text) for name, metavar, text in OPTIONS),
     click.option(
         "--activity",
         type=click.Choice(["low", "mean", "high"]),
@@ -107,8 +107,7 @@ def fly_and_tell(
 ) -> int:
     """Fly a refined plan with all forces and report; the parameters are those of ``fly``."""
     from ...fly.forces import fly_forced
-    from .bars import counting_bar
-    from .live import wanted
+    from .bars import counting_bar, wanted
 
     settings = asked.settings()
     refined = admitted.plan

@@ -32,8 +32,7 @@ def fly_and_tell(
 ) -> int:
     """Fly a refined plan and report its misses; the parameters are those of ``fly``."""
     from ...fly.flight import fly_refined
-    from .bars import counting_bar
-    from .live import wanted
+    from .bars import counting_bar, wanted
 
     instance, refined = admitted.instance, admitted.plan
     targets, shown = sampling.errors_of_targets(instance)

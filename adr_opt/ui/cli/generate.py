@@ -7,23 +7,23 @@ from typing import Any
 import click
 
 from ...common.wording import counted
-from . import complete, take
-from .fitting import fitting_options
+from . import complete, param
 from .output import emit, say
+from .param import fitting_options
 from .parameters import check_out
 
 
 @click.command("generate", short_help="Draw an instance of a family.")
 @click.argument("family", shell_complete=complete.families)
 @click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same file.")
-@take.count("--targets", "N", "Number of targets; by default the family's.")
-@take.count("--zones", "N", "Number of keep-out zones.", default=0)
-@take.count("--chasers", "N", "Number of chasers; by default the family's.")
-@take.count("--stations", "M", "Number of stations; by default the family's.")
+@param.count("--targets", "N", "Number of targets; by default the family's.")
+@param.count("--zones", "N", "Number of keep-out zones.", default=0)
+@param.count("--chasers", "N", "Number of chasers; by default the family's.")
+@param.count("--stations", "M", "Number of stations; by default the family's.")
 @fitting_options("by default the family's")
-@take.file("--out", "Instance file to write; by default it is printed.")
-@take.as_json
-@take.quiet
+@param.file("--out", "Instance file to write; by default it is printed.")
+@param.as_json
+@param.quiet
 def command(
     family: str,
     seed: int,
@@ -44,7 +44,7 @@ def command(
     """
     from ...common.files import write_text
     from ...problem.chasers import TankByMass
-    from ...sources.asked.fitting import Fitting
+    from ...sources.crew_options import Fitting
     from ...sources.generator import family as family_named
     from ...sources.generator import generate
 

@@ -7,19 +7,73 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from ...common.constants import EARTH_RADIUS_M
+from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, take
-from .doubts import say_doubts
-from .import_crew import crew_options, told
-from .output import emit_json, say
+from . import complete, param
+from .output import emit_json, say, say_doubts
+from .param import fitting_options
 from .parameters import check_out
 
 if TYPE_CHECKING:
+    from ...problem.instance import Instance
     from ...problem.orbit import Orbit
     from ...sources.catalogue import Imported
     from ...sources.ephemerides.imported import WithEphemerides
+
+
+crew_options = param.together(
+    fitting_options("default 3000"),
+    param.count("--launches", "N", "Launch N chasers, each to its first target."),
+    param.number(
+        "--launch-every", "DAYS", "Interval between launches; default 365; 0 for a shared rocket."
+    ),
+    param.number(
+        "--launch-separation",
+        "DAYS",
+        "Least interval between launches, whose times are then optimised.",
+    ),
+    param.word(
+        "--expense",
+        "FIXED[,PER_KG[,PER_KG2]]",
+        "Cost of each chaser used; the least total decides between equal plans.",
+    ),
+    param.number("--thrust", "N", "Low thrust of each chaser, in place of impulses."),
+    param.number("--duty-cycle", "SHARE", "Share of the time in which it is on; default 1."),
+    param.number(
+        "--service-days", "D", "Duration of each service; by default one revolution of the target."
+    ),
+    param.many(
+        "--deadline", "OBJECT=DAYS", "Latest end of its service; repeatable.", name="deadlines"
+    ),
+    param.many(
+        "--require",
+        "OBJECT",
+        "Must be serviced; an error if filters omit it; repeatable.",
+        name="required",
+    ),
+    param.many(
+        "--must", "OBJECT[,OBJECT...]", "Must be serviced, regardless of filters.", name="musts"
+    ),
+    param.many(
+        "--exclude", "OBJECT[,OBJECT...]", "Not to be a target; repeatable.", name="excluded"
+    ),
+    param.file(
+        "--prizes",
+        "CSV: object, prize, required, window, mass, removal, prize_until.",
+        name="prizes_path",
+    ),
+)
+"""The options of chasers and of single objects, for ``import``."""
+
+
+def told(instance: Instance) -> str | None:
+    """A sentence on the launches of an instance; None if there are none."""
+    if not instance.launches:
+        return None
+    days = ", ".join(f"{since_s / DAY_S:g}" for since_s in instance.launches.values())
+    return f"{counted(len(instance.launches), 'launch', 'launches')}, on day {days}"
+
 
 MOST_LISTED = 20
 """Maximum number of bad rows listed on standard error; --json lists all."""
@@ -30,16 +84,16 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 
 @click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
-@take.file("--out", "Instance file to write.", required=True)
-@take.word(
+@param.file("--out", "Instance file to write.", required=True)
+@param.word(
     "--epoch", "TIME", "Epoch (ISO, UTC); by default the latest of the elements.", name="epoch_text"
 )
-@take.word("--altitude", "LO:HI", "Mean altitudes to keep [km].")
-@take.word("--inclination", "LO:HI", "Inclinations to keep [deg].")
-@take.word("--raan", "LO:HI", "RAANs to keep [deg]; 350:10 goes through 0.")
-@take.many("--name", "PATTERN", "Names to keep; repeatable.", name="names")
-@take.count("--max-targets", "N", "Maximum number of targets; nearest planes first.")
-@take.word(
+@param.word("--altitude", "LO:HI", "Mean altitudes to keep [km].")
+@param.word("--inclination", "LO:HI", "Inclinations to keep [deg].")
+@param.word("--raan", "LO:HI", "RAANs to keep [deg]; 350:10 goes through 0.")
+@param.many("--name", "PATTERN", "Names to keep; repeatable.", name="names")
+@param.count("--max-targets", "N", "Maximum number of targets; nearest planes first.")
+@param.word(
     "--station",
     "ORBIT|OBJECT",
     "ALTITUDE_KM,INCLINATION,RAAN[,U], or an object; by default the densest plane.",
@@ -55,29 +109,29 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
     show_default=True,
     help="Motion of planes; with j2 they drift.",
 )
-@take.flag("--no-refuelling", "No station; the chaser starts in its place.")
-@take.number(
+@param.flag("--no-refuelling", "No station; the chaser starts in its place.")
+@param.number(
     "--drift-step-days", "D", "Time step of long transfers; by default 1/150 of the mission."
 )
-@take.number(
+@param.number(
     "--max-drift-days",
     "D",
     "Maximum duration of long transfers, 0 for none; by default the mission's.",
 )
-@take.number("--departure-spacing-days", "D", "Least time between departures.")
-@take.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
-@take.flag("--only-prized", "Only objects with a row in --prizes.")
-@take.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
-@take.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
-@take.many(
+@param.number("--departure-spacing-days", "D", "Least time between departures.")
+@param.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
+@param.flag("--only-prized", "Only objects with a row in --prizes.")
+@param.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
+@param.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
+@param.many(
     "--oem",
     "FILE",
     "Ephemerides of targets: CCSDS OEM, STK or Modified ITC; repeatable.",
     name="messages",
 )
-@take.flag("--skip-bad", "Skip bad rows and objects, and list them.")
-@take.as_json
-@take.quiet
+@param.flag("--skip-bad", "Skip bad rows and objects, and list them.")
+@param.as_json
+@param.quiet
 def command(
     files: tuple[str, ...],
     out: str,
@@ -111,13 +165,10 @@ def command(
     """
     from ...common.files import write_text
     from ...sources import catalogue
-    from ...sources.asked.by_option import naming_options
-    from ...sources.asked.crew_given import CrewOptions
-    from ...sources.asked.mission_given import MissionOptions
-    from ...sources.asked.objects_given import check_objects
     from ...sources.catalogue.filters import parse_range
-    from .bars import busy_bar
-    from .live import wanted
+    from ...sources.crew_options import CrewOptions
+    from ...sources.mission_options import MissionOptions, check_objects, naming_options
+    from .bars import busy_bar, wanted
 
     check_out(out, *files, *messages, crew_given["prizes_path"])
     check_objects(names, max_targets)
@@ -176,7 +227,7 @@ def command(
 
 
 def _tell(made: Imported, out: str, fitted: WithEphemerides | None = None) -> None:
-    from ...sources.asked.by_option import by_option
+    from ...sources.mission_options import by_option
 
     bad = [drop for drop in made.dropped if drop.reason not in FILTERS]
     for drop in bad[:MOST_LISTED]:

@@ -9,7 +9,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
+from . import param
 from .output import emit_json, say
 from .parameters import check_out
 
@@ -22,9 +22,9 @@ MOST_BYTES = 2**34
 
 
 @click.command("matrix", short_help="Write ΔV and duration matrices of INSTANCE.")
-@take.instance
-@take.number("--every", "S", "Ready times at this interval, from 0.", name="every_s")
-@take.number("--at", "S", "Ready time; repeatable.", name="at_s", multiple=True)
+@param.instance
+@param.number("--every", "S", "Ready times at this interval, from 0.", name="every_s")
+@param.number("--at", "S", "Ready time; repeatable.", name="at_s", multiple=True)
 @click.option(
     "--quantity",
     type=click.Choice(["delta_v", "duration"]),
@@ -32,7 +32,7 @@ MOST_BYTES = 2**34
     show_default=True,
     help="Weights in .tsp, .vrp and .oplib; other formats hold both.",
 )
-@take.word(
+@param.word(
     "--choose",
     "HOW",
     "Transfer chosen at a ready time among all departures: 'earliest', 'cheapest', or by the value "
@@ -41,14 +41,14 @@ MOST_BYTES = 2**34
 @click.option(
     "--scale", type=float, help="Weight of one m/s or one second in .tsp, .vrp and .oplib."
 )
-@take.file(
+@param.file(
     "--out",
     "File to write. Matrices at ready times: .nc, .npz; at one: .tsp, .vrp, .oplib. "
     "Every departure, without ready times: .parquet, .lp, .mps.",
     required=True,
 )
-@take.as_json
-@take.quiet
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     every_s: float | None,
@@ -73,8 +73,7 @@ def command(
     from ...export.tables.write import suffix_of, whole_suffixes
     from ...legs.connections import weights_of
     from ...problem.instance import load
-    from .bars import percent_bar
-    from .live import wanted
+    from .bars import percent_bar, wanted
 
     if choose is not None:
         weights_of(choose)

@@ -9,13 +9,13 @@ from typing import Any
 import click
 
 from ...common.errors import InputError
-from . import complete, take
+from . import complete, param
 from .output import emit, emit_json
 
 
 @click.command("methods", short_help="List planners and bounds with their options.")
 @click.argument("name", required=False, shell_complete=complete.methods)
-@take.as_json
+@param.as_json
 def command(name: str | None, as_json: bool) -> int:
     """List the installed planners and bounds with their options and defaults.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,9 @@ from ...common.wording import harmless, in_one_line
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType
     from rich.segment import Segment
+
+    from ...problem.instance import Instance
+
 
 WIDEST = 10_000
 """Maximum width for rich: tables are fitted before printing, and never cut."""
@@ -78,9 +81,25 @@ class Harmless:
             yield segment._replace(text=harmless(segment.text))
 
 
+def say_written(*paths: str | None, quiet: bool) -> None:
+    """Say which files were written; None for those that were not asked for."""
+    for path in paths:
+        say(f"wrote {path}", unless=quiet or path is None)
+
+
 def say(message: str, *, unless: bool = False) -> None:
     """Print a message on standard error unless ``unless``; ignore a closed stream."""
     if unless:
         return
     with suppress(OSError):
         click.echo(f"adr-opt: {in_one_line(message)}", err=True)
+
+
+def say_doubts(
+    instance: Instance, *, quiet: bool = False, reword: Callable[[str], str] = str
+) -> None:
+    """Say on standard error which values look like slips, reworded for who gave them."""
+    from ...problem.plausible import doubts
+
+    for doubt in doubts(instance):
+        say(f"note: {reword(str(doubt))}", unless=quiet)

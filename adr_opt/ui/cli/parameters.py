@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
-from . import take
+from . import param
 
 if TYPE_CHECKING:
     from ...judge.admit import Admitted
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from ...run.methods import Planner
 
 
-run_options = take.together(
-    take.seed,
-    take.count("--iterations", "N", "Maximum number of iterations, as defined by the method."),
-    take.number(
+run_options = param.together(
+    param.seed,
+    param.count("--iterations", "N", "Maximum number of iterations, as defined by the method."),
+    param.number(
         "--margin", "SHARE", "Share of each tank to hold in reserve, such as 0.1.", default=0.0
     ),
-    take.count("--jobs", "N", "Number of cores; 0 for all."),
-    take.word("--start", "PLAN", "Plan to start from.", name="start_path"),
-    take.many(
+    param.count("--jobs", "N", "Number of cores; 0 for all."),
+    param.word("--start", "PLAN", "Plan to start from.", name="start_path"),
+    param.many(
         "--option",
         "NAME=VALUE",
         "Option of the method, see 'methods'; repeatable.",
@@ -66,7 +66,7 @@ def admitted_refined(
         return admit(instance, refined, unjudged=unjudged, excused=excused)
 
 
-unjudged_option = take.flag(
+unjudged_option = param.flag(
     "--unjudged", "Go on with a plan that has violations; its figures are then called unjudged."
 )
 
@@ -132,6 +132,12 @@ def check_out(out: str | None, *inputs: str | None, results: Iterable[str | None
     for paths, known in ((inputs, "the input"), (results, "the name of another result, too")):
         if any(path is not None and is_same_file(out, path) for path in paths):
             raise InputError(f"{out}: this is {known}; name another file for the result")
+
+
+def check_outs(results: Sequence[str | None], *inputs: str | None) -> None:
+    """As :func:`check_out`, of several results, no two of which may be one file."""
+    for at, path in enumerate(results):
+        check_out(path, *inputs, results=results[at + 1 :])
 
 
 def is_same_file(one: str, other: str) -> bool:

@@ -9,22 +9,22 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
+from . import param
 from .output import emit, emit_json, emit_rich, say, terminal_width
 from .parameters import check_out
 
 if TYPE_CHECKING:
     from ...analysis import PricedOrder, PricedRoute
-    from ...analysis.mending import Mending, Shortfall
+    from ...analysis.remedies import Remedy, Shortfall
 
 
 @click.command("price", short_help="Time an order of bodies, and suggest repairs.")
-@take.instance
+@param.instance
 @click.argument("names", nargs=-1, metavar="NAME...")
-@take.file("--file", "File with the order, one name per line.", name="file_path")
-@take.word("--out", "PLAN", "Plan file to write if the order can be flown.")
-@take.as_json
-@take.quiet
+@param.file("--file", "File with the order, one name per line.", name="file_path")
+@param.word("--out", "PLAN", "Plan file to write if the order can be flown.")
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     names: tuple[str, ...],
@@ -95,11 +95,11 @@ def _verdict(route: PricedRoute, *, several: bool) -> Iterator[str]:
     to = route.order[at]
     reason = route.reason.removeprefix(f"to {to!r} ")
     yield f"{whose}breaks at leg {at + 1}, to {to}: it {reason}"
-    best = {mending.kind: mending for mending in reversed(route.mendings)}
-    told = [mending for mending in route.mendings if best[mending.kind] is mending]
+    best = {remedy.kind: remedy for remedy in reversed(route.remedies)}
+    told = [remedy for remedy in route.remedies if best[remedy.kind] is remedy]
     lines = [*_lacking(route.missing), *map(_told, told)]
     yield from (f"{whose}would do: {line}" for line in lines)
-    more = len(route.mendings) - len(told)
+    more = len(route.remedies) - len(told)
     if more > 0:
         yield f"{whose}and {counted(more, 'other single change')}; --json lists all"
     if not lines:
@@ -122,15 +122,15 @@ def _lacking(missing: Shortfall) -> Iterator[str]:
         yield f"a window there that is open {span(missing.window_s)} longer"
 
 
-def _told(mending: Mending) -> str:
+def _told(remedy: Remedy) -> str:
     from .timeline import clock
 
     what = {
-        "leave-out": f"leave out {mending.body}",
-        "refuel": f"refuel before {mending.body}",
-        "swap": f"change {mending.body} and the one after it",
-    }[mending.kind]
+        "leave-out": f"leave out {remedy.body}",
+        "refuel": f"refuel before {remedy.body}",
+        "swap": f"change {remedy.body} and the one after it",
+    }[remedy.kind]
     return (
-        f"{what}: prize {mending.prize:g}, ΔV {mending.delta_v_m_s:.1f} m/s, done "
-        f"{clock(mending.end_s)}"
+        f"{what}: prize {remedy.prize:g}, ΔV {remedy.delta_v_m_s:.1f} m/s, done "
+        f"{clock(remedy.end_s)}"
     )

@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from ...common.errors import InputError
+from ...common.stop import Stop
 from ...common.wording import counted
-from . import take
+from . import param
 from .output import emit, emit_json, say
 from .parameters import about, admitted_plan, check_out
 from .signals import signals_to
 
 if TYPE_CHECKING:
-    from ...fly.refine import RefinedPlan
-    from ...plan.refined_plan import Freedom, Gravity, RefinedLeg
+    from ...fly.refine.loop import RefinedResult
+    from ...plan.refined_plan import Freedom, Gravity, RefinedLeg, RefinedPlan
+    from ...problem.instance import Instance
+    from ...run.run_options import RunOptions
+    from .work import Watch
+
 
 GRAVITIES = ("two-body", "j2", "j3", "j4")
 FREEDOMS = ("free", "planned")
@@ -33,22 +39,22 @@ freedom_option = click.option(
     help="free: least ΔV at any times; planned: the plan's own burns, changed little; by default "
     "free, or planned where there are keep-out zones.",
 )
-ephemerides_option = take.flag(
+ephemerides_option = param.flag(
     "--ephemerides", "Refine legs onto the states that the ephemerides beside INSTANCE report."
 )
 
 
 @click.command("refine", short_help="Turn PLAN into a trajectory in true dynamics.")
-@take.instance
-@take.plan
-@take.file("--out", "Refined plan file to write.", required=True)
+@param.instance
+@param.plan
+@param.file("--out", "Refined plan file to write.", required=True)
 @gravity_option
 @freedom_option
 @ephemerides_option
-@take.count("--jobs", "N", "Number of cores; 0 for all.")
-@take.cluster
-@take.as_json
-@take.quiet
+@param.count("--jobs", "N", "Number of cores; 0 for all.")
+@param.cluster
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_path: str,
@@ -67,8 +73,7 @@ def command(
     of a trajectory.
     """
     from ...fly.refine import refine
-    from .bars import counting_bar
-    from .live import wanted
+    from .bars import counting_bar, wanted
 
     check_out(out, instance_path, plan_path)
     admitted, stopped = admitted_plan(instance_path, plan_path), threading.Event()
@@ -178,3 +183,125 @@ def _told_onto(refined: RefinedPlan) -> dict[str, object]:
         "ephemerides": refined.ephemerides.model_dump(),
         "holding_delta_v_m_s": refined.holding_m_s,
     }
+
+
+class Refining(NamedTuple):
+    """Options of ``solve`` on refinement; None if not given."""
+
+    refine: bool
+    refined_out: str | None
+    gravity: Gravity | None
+    freedom: Freedom | None
+    ephemerides: bool
+    rounds: int | None
+    spend_savings: bool
+
+    def check(self, instance_path: str, out: str | None) -> None:
+        """Raise :class:`InputError` for options that exclude each other."""
+        from .parameters import check_out
+
+        for name, value in (
+            ("--refined-out", self.refined_out),
+            ("--gravity", self.gravity),
+            ("--burns", self.freedom),
+            ("--ephemerides", "" if self.ephemerides else None),
+            ("--rounds", self.rounds),
+            ("--spend-savings", "" if self.spend_savings else None),
+        ):
+            if value is not None and not self.refine:
+                raise InputError(f"{f'{name} {value}'.strip()}: nothing is refined; add --refine")
+        check_out(self.refined_out, instance_path, results=(out,))
+
+
+refine_options = param.together(
+    param.flag("--refine", "Refine the plan, and replan until it holds in true dynamics."),
+    param.file("--refined-out", "Refined plan file to write."),
+    gravity_option,
+    freedom_option,
+    ephemerides_option,
+    param.count("--rounds", "N", "Maximum number of plans with --refine; default 10."),
+    param.flag(
+        "--spend-savings", "With --refine, spend ΔV saved in flight; 'check' may refuse the plan."
+    ),
+)
+"""The options of refining, for ``solve``."""
+
+
+def run_refined(
+    instance: Instance,
+    method: str,
+    refining: Refining,
+    progress: Watch,
+    quiet: bool,
+    *,
+    stop: Stop,
+    wanted: RunOptions,
+) -> RefinedResult:
+    """Plan and refine in turns, reporting each round at its end."""
+    from ...fly.refine.loop import MOST_ROUNDS, solve_refined
+
+    return solve_refined(
+        instance,
+        method,
+        gravity=refining.gravity,
+        freedom=refining.freedom,
+        ephemerides=refining.ephemerides,
+        rounds=MOST_ROUNDS if refining.rounds is None else refining.rounds,
+        spend_savings=refining.spend_savings,
+        told=(lambda one: None) if quiet else (lambda one: say(str(one))),
+        progress=progress,
+        building=progress.building,
+        sizing=progress.sizing,
+        stop=stop,
+        **vars(wanted),
+    )
+
+
+def save_refined(looped: RefinedResult, path: str | None, quiet: bool) -> None:
+    """Write the refined plan, if there is one and a file is given."""
+    if path is None or looped.refined is None:
+        return
+    looped.refined.save(path)
+    legs = counted(len(looped.refined.legs), "leg")
+    say(f"wrote {path}: {legs}, {looped.refined.status}", unless=quiet)
+
+
+def tell_refined(looped: RefinedResult, as_json: bool) -> None:
+    """Print whether the plan holds, and its cost."""
+    refined, plan = looped.refined, looped.plan
+    planned = None if refined is None else refined.planned_delta_v_m_s
+    flown = None if refined is None else refined.flown_delta_v_m_s
+    if as_json:
+        emit_json(
+            {
+                "holds": looped.holds,
+                "reason": looped.reason,
+                "planned_delta_v_m_s": planned,
+                "flown_delta_v_m_s": flown,
+                **_told_holding(refined),
+                "notes": looped.result.notes,
+                "rounds": [one.to_dict() for one in looped.rounds],
+                "plan": None if plan is None else plan.to_dict(),
+            }
+        )
+    elif looped.holds:
+        emit(
+            f"the plan holds when refined: planned with {planned:.1f} m/s, flown with "
+            f"{flown:.1f} m/s{_holding_told(refined)}, after {counted(len(looped.rounds), 'round')}"
+        )
+    else:
+        emit(f"the plan does not hold: {looped.reason}")
+
+
+def _holding_told(refined: RefinedPlan | None) -> str:
+    """Estimated ΔV of holding, where there are ephemerides."""
+    if refined is None or refined.ephemerides is None:
+        return ""
+    return f" and {refined.holding_m_s:.1f} m/s of holding beside ephemerides"
+
+
+def _told_holding(refined: RefinedPlan | None) -> dict[str, float]:
+    """The same as plain data."""
+    if refined is None or refined.ephemerides is None:
+        return {}
+    return {"holding_delta_v_m_s": refined.holding_m_s}

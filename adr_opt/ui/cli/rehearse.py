@@ -10,9 +10,9 @@ from click.core import ParameterSource
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, take
-from .output import emit, emit_json, emit_rich, say
-from .parameters import admitted_plan, check_out
+from . import complete, param
+from .output import emit, emit_json, emit_rich, say_written
+from .parameters import admitted_plan, check_outs
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -22,56 +22,49 @@ if TYPE_CHECKING:
     from ...analysis.rehearse.sampling import Setting
     from ...common.stop import Stop
 
-NOT_OF_REPLAYS = {
-    "samples": "--samples",
-    "seed": "--seed",
-    "bounds": "--bounds",
-    "bound_method": "--bound-method",
-    "bound_time_limit": "--bound-time-limit",
-    "time_price": "--time-price",
-    "jobs": "--jobs",
-    "cluster": "--cluster",
-    "resume_path": "--resume",
-}
-"""Options of many rehearsals."""
+_NOT_OF_REPLAYS = """
+samples seed bounds bound_method bound_time_limit time_price jobs cluster resume_path
+"""
+NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
+"""Options of many rehearsals, by the names of their parameters."""
 
 
 @click.command("rehearse", short_help="Fly a mission many times as it may happen.")
-@take.instance
+@param.instance
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
-@take.file("--uncertainty", "Uncertainty file.", name="uncertainty_path", required=True)
-@take.word(
+@param.file("--uncertainty", "Uncertainty file.", name="uncertainty_path", required=True)
+@param.word(
     "--policy",
     "NAME",
     "follow, skip, replan, beam, learned, or an installed one.",
     default="follow",
     show_default=True,
 )
-@take.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
+@param.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the first world.")
-@take.count("--bounds", "N", "Number of worlds in which every policy is bounded; 0.", default=0)
-@take.word(
+@param.count("--bounds", "N", "Number of worlds in which every policy is bounded; 0.", default=0)
+@param.word(
     "--bound-method",
     "NAME",
     "Bound to prove with; exact.",
     default="exact",
     shell_complete=complete.bounds,
 )
-@take.number("--bound-time-limit", "S", "Wall time of each proof; 20 s.", default=20.0)
-@take.number(
+@param.number("--bound-time-limit", "S", "Wall time of each proof; 20 s.", default=20.0)
+@param.number(
     "--time-price",
     "P",
     "Price of the time of services in penalties, in prize per day; 0.",
     default=0.0,
 )
-@take.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
-@take.cluster
-@take.file("--resume", "File of rehearsals to write, or to resume from.", name="resume_path")
-@take.count("--replay", "SEED", "Write the rehearsal of one world, and no others.")
-@take.file("--out", "HTML file to write; with --replay a plan file.")
-@take.file("--out-instance", "With --replay: instance file of the world to write.")
-@take.as_json
-@take.quiet
+@param.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
+@param.cluster
+@param.file("--resume", "File of rehearsals to write, or to resume from.", name="resume_path")
+@param.count("--replay", "SEED", "Write the rehearsal of one world, and no others.")
+@param.file("--out", "HTML file to write; with --replay a plan file.")
+@param.file("--out-instance", "With --replay: instance file of the world to write.")
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_path: str | None,
@@ -106,8 +99,7 @@ def command(
     from ...problem.uncertainty import Uncertainty
     from ..report.plain import check_page, write_page
     from ..report.rehearsed import rehearsed_page
-    from .bars import counting_bar
-    from .live import wanted
+    from .bars import counting_bar, wanted
     from .work import work
 
     plan = None if plan_path is None else admitted_plan(instance_path, plan_path)
@@ -115,10 +107,7 @@ def command(
     uncertainty = Uncertainty.load(uncertainty_path).of(instance)
     read = (instance_path, plan_path, uncertainty_path)
     bounds_path = f"{resume_path}.bounds" if bounds and resume_path is not None else None
-    check_out(out, *read, results=(resume_path, bounds_path, out_instance))
-    check_out(resume_path, *read, results=(out_instance,))
-    check_out(bounds_path, *read, results=(out_instance,))
-    check_out(out_instance, *read)
+    check_outs((out, resume_path, bounds_path, out_instance), *read)
     if bounds < 0:
         raise InputError(f"--bounds {bounds}: must be 0, for none, or more")
     MaxRuntime(bound_time_limit)
@@ -132,10 +121,10 @@ def command(
         check_page(out)
     if bounds:  # before rehearsals that may take hours
         check_worlds(bounds, seed, jobs, cluster)
-        asked = bounding.BoundSetting(
+        bounded_by = bounding.BoundSetting(
             instance, uncertainty, bound_method, bound_time_limit, time_price
         )
-        bounding.check_bounds(asked, bounds_path)
+        bounding.check_bounds(bounded_by, bounds_path)
 
     def run(stop: Stop) -> tuple[Rehearsals, Bounds | None]:
         made = rehearse(
@@ -177,7 +166,7 @@ def command(
         told |= {"bounds": bounded.to_dict(), "gaps": bounded.gaps(made)}
     if out is not None:
         write_page(out, rehearsed_page(made, told))
-        say(f"wrote {out}", unless=quiet)
+    say_written(out, quiet=quiet)
     if as_json:
         emit_json(told)
     else:
@@ -188,8 +177,9 @@ def command(
 def _refuse_with_replay() -> None:
     """Refuse options of many rehearsals that are given with --replay."""
     context = click.get_current_context()
-    for name, option in NOT_OF_REPLAYS.items():
+    for name in NOT_OF_REPLAYS:
         if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            option = f"--{name.removesuffix('_path').replace('_', '-')}"
             raise InputError(f"{option}: --replay flies one world and no others; leave it out")
 
 
@@ -214,8 +204,7 @@ def _replay(
         made.instance.save(out_instance)
 
     write_whole(out, write)  # the plan refers to the instance, which is complete by then
-    for path in (out_instance, out):
-        say(f"wrote {path}", unless=quiet)
+    say_written(out_instance, out, quiet=quiet)
     told = made.outcome.to_dict()
     if as_json:
         emit_json(told)

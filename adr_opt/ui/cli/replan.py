@@ -11,13 +11,13 @@ import click
 from ...common.constants import DAY_S, HOUR_S
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, take
-from .output import emit, emit_json, emit_rich, say, terminal_width
+from . import complete, param
+from .output import emit, emit_json, emit_rich, say_written, terminal_width
 from .parameters import admitted_plan, check_out, is_same_file
 
 if TYPE_CHECKING:
-    from ...analysis.replanned import Replanned
-    from ...analysis.state import ChaserState
+    from ...analysis.replan.chaser_states import ChaserState
+    from ...analysis.replan.replanned import Replanned
     from ...problem.instance import Instance
     from ...problem.settings import KeepOutZone
 
@@ -27,40 +27,40 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 
 
 @click.command("replan", short_help="Replan the rest of a mission.")
-@take.instance
-@take.plan
-@take.word(
+@param.instance
+@param.plan
+@param.word(
     "--at",
     "TIME",
     "Time of replanning: days after the epoch, 36h, 900s, or ISO.",
     name="at_text",
     required=True,
 )
-@take.file("--zones", "JSON list of new keep-out zones.", name="zones_path")
-@take.many("--lost", "NAME[,NAME...]", "Target that no longer exists.")
-@take.count("--failed", "LEG", "Number of a leg that does not begin as planned.")
-@take.many("--missed", "NAME[,NAME...]", "Target reached but not serviced.")
-@take.flag("--retry", "Allow missed targets to be tried again.")
-@take.many(
+@param.file("--zones", "JSON list of new keep-out zones.", name="zones_path")
+@param.many("--lost", "NAME[,NAME...]", "Target that no longer exists.")
+@param.count("--failed", "LEG", "Number of a leg that does not begin as planned.")
+@param.many("--missed", "NAME[,NAME...]", "Target reached but not serviced.")
+@param.flag("--retry", "Allow missed targets to be tried again.")
+@param.many(
     "--service-took",
     "NAME=DAYS",
     "Actual duration of a service or an attempt; also 36h, 900s.",
     name="services",
 )
-@take.many("--cost", "LEG=M_S", "The ΔV that a leg took.", name="costs")
-@take.count("--keep", "N", "Legs more that stay as planned; 0.", default=0)
-@take.word(
+@param.many("--cost", "LEG=M_S", "The ΔV that a leg took.", name="costs")
+@param.count("--keep", "N", "Legs more that stay as planned; 0.", default=0)
+@param.word(
     "--method",
     "NAME",
     "Planner of the rest; else a beam, of several auto.",
     shell_complete=complete.planners,
 )
-@take.number("--time-limit", "S", "Wall time of a run; 2 s.")
-@take.seed
-@take.file("--out", "Plan file of the rest to write.")
-@take.file("--out-instance", "Instance file of the rest to write.")
-@take.as_json
-@take.quiet
+@param.number("--time-limit", "S", "Wall time of a run; 2 s.")
+@param.seed
+@param.file("--out", "Plan file of the rest to write.")
+@param.file("--out-instance", "Instance file of the rest to write.")
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_path: str,
@@ -87,7 +87,7 @@ def command(
     chasers' states at that time, and its plan. Exit status 1: the rest has no plan.
     """
     from ...analysis.orders import BodyNames
-    from ...analysis.replan import DEFAULT_TIME_LIMIT_S, replan
+    from ...analysis.replan.replanning import DEFAULT_TIME_LIMIT_S, replan
     from .work import work
 
     admitted = admitted_plan(instance_path, plan_path)
@@ -139,9 +139,7 @@ def command(
         made.instance.save(out_instance)
     if out is not None and made.plan is not None:
         made.plan.save(out)
-    for path in (out_instance, None if made.plan is None else out):
-        if path is not None:
-            say(f"wrote {path}", unless=quiet)
+    say_written(out_instance, None if made.plan is None else out, quiet=quiet)
     if as_json:
         emit_json(made.to_dict())
     else:
@@ -157,7 +155,7 @@ def parse_time(text: str, instance: Instance) -> float:
     InputError
         It is none.
     """
-    from ...sources.asked.mission_given import parse_epoch
+    from ...sources.mission_options import parse_epoch
 
     found = _span_s(text)
     if found is not None:

@@ -8,7 +8,7 @@ import click
 
 from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
-from . import take
+from . import param
 from .output import emit_json, say
 from .parameters import about, admitted_plan, check_out
 
@@ -20,21 +20,21 @@ if TYPE_CHECKING:
 
 
 @click.command("report", short_help="Write PLAN as an interactive page that works offline.")
-@take.instance
-@take.plan
-@take.file("--out", "HTML file to write.", required=True)
-@take.file(
+@param.instance
+@param.plan
+@param.file("--out", "HTML file to write.", required=True)
+@param.file(
     "--refined",
     "PLAN as refined by 'refine': flown ΔV is shown beside planned ΔV.",
     name="refined_path",
 )
-@take.flag(
+@param.flag(
     "--fly",
     "Fly PLAN, and its refined version, as 'fly' does, and show the miss of each leg ([astro]).",
     name="wants_flight",
 )
-@take.as_json
-@take.quiet
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_path: str,

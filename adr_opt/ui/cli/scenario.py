@@ -10,9 +10,9 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, take
-from .output import emit_json, emit_rich, say
-from .parameters import check_out
+from . import complete, param
+from .output import emit_json, emit_rich, say, say_written
+from .parameters import check_outs
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -25,48 +25,44 @@ ROWS = 11
 
 @click.command("scenario", short_help="Decades of campaigns, with removals and without.")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
-@take.file("--campaign", "Instance of a campaign, repeated on what is there.", "campaign_path")
+@param.file("--campaign", "Instance of a campaign, repeated on what is there.", "campaign_path")
 @click.option("--years", type=int, default=30, show_default=True, help="Years, at most 200.")
-@take.count(
+@param.count(
     "--every", "YEARS", "Years from one campaign to the next.", default=1, show_default=True
 )
-@take.count("--targets", "N", "Objects offered to each.", default=20, show_default=True)
-@take.word("--altitude", "LO:HI", "Mean altitudes of targets [km].")
-@take.word("--inclination", "LO:HI", "Inclinations of targets [deg].")
-@take.number(
+@param.count("--targets", "N", "Objects offered to each.", default=20, show_default=True)
+@param.word("--altitude", "LO:HI", "Mean altitudes of targets [km].")
+@param.word("--inclination", "LO:HI", "Inclinations of targets [deg].")
+@param.number(
     "--worth-years", "YEARS", "Horizon of the worth of targets.", default=50.0, show_default=True
 )
-@take.number("--campaign-failure", "P", "Chance that a campaign is lost at launch.", default=0.0)
-@take.number("--capture-failure", "P", "Chance that a capture fails.", default=0.0)
-@take.number("--explosions", "P", "Chance of each intact object to explode, a year.", default=0.0)
-@take.flag("--no-collisions", "Draw no collisions; tell their rates only.")
-@take.flag("--no-drag", "Nothing comes down.")
-@take.file("--launches", "CSV of objects launched later; see docs/scenarios.md.", "launches_path")
-@take.count("--seeds", "N", "Number of futures drawn.", default=1, show_default=True)
-@take.file("--satcat", "satcat.tsv of the General Catalog, for masses and sizes.", "satcat_path")
-@take.file("--table", "CSV file with columns object,mass,size, preferred to both.", "table_path")
-@click.option(
-    "--activity",
-    type=click.Choice(["low", "mean", "high"]),
-    default="mean",
-    show_default=True,
-    help="Solar activity, on which the density of the air depends.",
-)
-@take.many("--exclude", "PATTERN", "Names to leave out, such as satellites that dodge; repeatable.")
-@take.method
-@take.number(
+@param.number("--campaign-failure", "P", "Chance that a campaign is lost at launch.", default=0.0)
+@param.number("--capture-failure", "P", "Chance that a capture fails.", default=0.0)
+@param.number("--explosions", "P", "Chance of each intact object to explode, a year.", default=0.0)
+@param.flag("--no-collisions", "Draw no collisions; tell their rates only.")
+@param.flag("--no-drag", "Nothing comes down.")
+@param.file("--launches", "CSV of objects launched later; see docs/scenarios.md.", "launches_path")
+@param.count("--seeds", "N", "Number of futures drawn.", default=1, show_default=True)
+@param.satcat
+@param.measures
+@param.activity
+@param.exclude
+@param.method
+@param.number(
     "--time-limit", "S", "Wall-clock limit of each planning.", default=5.0, show_default=True
 )
-@take.word("--shells", "LO:HI:N", "Altitude shells [km].", default="200:2000:36", show_default=True)
-@take.many("--species", "KIND=NAME", "Name of a species in --removals; repeatable.")
-@take.word("--folder", "DIR", "Folder for a file of all years, to resume from.")
-@take.file("--out", "CSV file of objects by year, case, species and shell.")
-@take.file("--removals", "CSV file of removals by year, species and shell.", "removals_path")
-@take.file("--page", "HTML file to write.", name="page_path")
-@take.count("--jobs", "N", "Number of processes, a seed in each; 0 for all cores.", default=1)
-@take.flag("--skip-bad", "Skip bad rows, and count them.")
-@take.as_json
-@take.quiet
+@param.word(
+    "--shells", "LO:HI:N", "Altitude shells [km].", default="200:2000:36", show_default=True
+)
+@param.many("--species", "KIND=NAME", "Name of a species in --removals; repeatable.")
+@param.word("--folder", "DIR", "Folder for a file of all years, to resume from.")
+@param.file("--out", "CSV file of objects by year, case, species and shell.")
+@param.file("--removals", "CSV file of removals by year, species and shell.", "removals_path")
+@param.file("--page", "HTML file to write.", name="page_path")
+@param.count("--jobs", "N", "Number of processes, a seed in each; 0 for all cores.", default=1)
+@param.skip_bad
+@param.as_json
+@param.quiet
 def command(
     files: tuple[str, ...],
     campaign_path: str | None,
@@ -115,14 +111,12 @@ def command(
     from ...sources import catalogue, worth
     from ..report.plain import check_page, write_page
     from ..report.scenario import scenario_page
-    from .bars import counting_bar
-    from .live import wanted
-    from .measured import measured_bodies
+    from .bars import counting_bar, wanted
+    from .worth import measured_bodies
 
     read = (*files, satcat_path, table_path, campaign_path, launches_path)
     results = (out, removals_path, page_path)
-    for place, path in enumerate(results):
-        check_out(path, *read, results=results[place + 1 :])
+    check_outs(results, *read)
     if page_path is not None:
         check_page(page_path)
     if any(not pattern.strip() for pattern in exclude):
@@ -165,9 +159,7 @@ def command(
         write_page(page_path, page)
     for note in notes:
         say(note, unless=quiet)
-    for path in results:
-        if path is not None:
-            say(f"wrote {path}", unless=quiet)
+    say_written(*results, quiet=quiet)
     if as_json:
         emit_json(told)
     else:

@@ -6,30 +6,32 @@ from importlib import import_module
 
 import click
 
-from . import take
+from . import param
 from .output import emit_json
 
 SCHEMAS = {
-    "instance": "problem.instance",
-    "plan": "plan.plan",
-    "refined": "plan.refined_plan",
-    "certificate": "plan.certificate",
-    "uncertainty": "problem.uncertainty",
-    "target-errors": "sources.uncertainty.table",
+    "instance": "problem.instance:Instance",
+    "plan": "plan.plan:Plan",
+    "refined": "plan.refined_plan:RefinedPlan",
+    "certificate": "plan.certificate:Certificate",
+    "uncertainty": "problem.uncertainty:Uncertainty",
+    "target-errors": "sources.uncertainty.table:TargetErrorsFile",
     "elements": "sources.ephemerides.elements_file",
-    "functions": "problem.function_files",
-    "worth": "sources.worth.worth_file",
-    "library": "sources.library",
-    "project": "ui.serve.project.record",
-    "project-result": "ui.serve.project.result_record",
+    "functions": "problem.function_files:FunctionsFile",
+    "worth": "sources.worth.worth_file:WorthFile",
+    "library": "sources.library:Library",
+    "project": "ui.serve.project.record:ProjectRecord",
+    "project-result": "ui.serve.project.record:ResultRecord",
 }
-"""Modules of the formats, each with a function ``json_schema``."""
+"""Modules of the formats, and their records; one without a record has a function of its own."""
 
 
 @click.command("schema")
 @click.argument("which", type=click.Choice(list(SCHEMAS)))
-@take.as_json
+@param.as_json
 def command(which: str, as_json: bool) -> int:
     """Print the JSON Schema of a file: instance, plan, refined plan, certificate and others."""
-    emit_json(import_module(f"...{SCHEMAS[which]}", __package__).json_schema())
+    module, _, record = SCHEMAS[which].partition(":")
+    owner = import_module(f"...{module}", __package__)
+    emit_json((getattr(owner, record) if record else owner).json_schema())
     return 0

@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from ...common.errors import MissingExtra
-from . import complete, take
+from . import complete, param
 from .output import emit, emit_json, say
 from .signals import Aborted, signals_to
 
@@ -28,15 +28,15 @@ PROJECT = "adr-opt-project"
     "instance_path", metavar="[INSTANCE]", required=False, shell_complete=complete.files
 )
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
-@take.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
-@take.word(
+@param.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
+@param.word(
     "--folder",
     "DIR",
     f"Project folder; INSTANCE-served, or without INSTANCE {PROJECT}, beside this call.",
 )
-@take.flag("--no-open", "Open no browser.")
-@take.as_json
-@take.quiet
+@param.flag("--no-open", "Open no browser.")
+@param.as_json
+@param.quiet
 def command(
     instance_path: str | None,
     plan_path: str | None,
@@ -62,8 +62,8 @@ def command(
     from ...problem.instance import load
     from ...problem.support import refuse
     from ..report.page import FOLLOWS
+    from ..serve.backend import Backend
     from ..serve.children import private_files
-    from ..serve.desk import Desk
     from ..serve.folder import Folder
     from ..serve.planner_process import PlannerProcess
     from ..serve.session import EditingSession
@@ -79,12 +79,12 @@ def command(
     place = Folder(folder or usual, instance_path)
     with closing(listening(port)) as listener, private_files():
         place.make()
-        with place.held():
+        with place.locked():
             session = EditingSession(
                 instance, plan, place, lambda done, found: PlannerProcess(done, place.path, found)
             )
-            desk = Desk(session)
-            server, ended = Server(desk, listener), threading.Event()
+            backend = Backend(session)
+            server, ended = Server(backend, listener), threading.Event()
             with signals_to(ended.set):
                 server.start()
                 if as_json:
@@ -99,7 +99,7 @@ def command(
                     _open(server.launch(place.path))
                 server.wait(ended)
                 server.close()
-                if not desk.close(PATIENCE_S):
+                if not backend.close(PATIENCE_S):
                     raise Aborted(signal.SIGINT)
     return 0
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -10,48 +11,134 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import status_words
-from . import complete, take
+from . import complete, param
+from .bars import wanted
 from .certificates import certificate_option, check_certificate, save_certificate
-from .confident import Confident, confident_options, run_confident
-from .doubts import say_doubts
 from .flown import flight_line, flown_plan, no_fly_option, refined_plan
-from .output import emit, emit_rich, say, terminal_width
+from .output import emit, emit_rich, say, say_doubts, terminal_width
 from .parameters import check_out, parse_assignments, run_options
-from .refining_loop import Refining, refine_options, run_refined, save_refined, tell_refined
+from .refine import Refining, refine_options, run_refined, save_refined, tell_refined
+from .work import say_notes, work
 
 if TYPE_CHECKING:
     from ...fly.refine.loop import RefinedResult
+    from ...mission.result import Result
     from ...plan.plan import Plan
+    from ...problem.instance import Instance
+    from ...run.run_options import RunOptions
+
+
+@dataclass(frozen=True)
+class Confident:
+    """What is asked for with ``--confidence``.
+
+    Attributes
+    ----------
+    confidence : float or None
+        None if it is not given.
+    uncertainty_path : str or None
+    """
+
+    confidence: float | None
+    uncertainty_path: str | None
+
+    def check(self, others: dict[str, bool]) -> None:
+        """Refuse options that do not go together.
+
+        Parameters
+        ----------
+        others : mapping of str to bool
+            Options that do not go with it, and whether each is given.
+
+        Raises
+        ------
+        InputError
+            One of the two is missing, or another option is given.
+        """
+        if (self.confidence is None) != (self.uncertainty_path is None):
+            given, missing = "--confidence", "--uncertainty"
+            if self.confidence is None:
+                given, missing = missing, given
+            raise InputError(f"{given} needs {missing}; give both")
+        for option, is_given in others.items():
+            if self.confidence is not None and is_given:
+                raise InputError(f"{option} does not go with --confidence; leave one of them out")
+
+
+confident_options = param.together(
+    param.number(
+        "--confidence", "C", "Chance with which the plan is to be kept; with --uncertainty."
+    ),
+    param.file("--uncertainty", "Uncertainty file.", name="uncertainty_path"),
+)
+"""The options of planning with a confidence."""
+
+
+def run_confident(
+    instance: Instance,
+    method: str,
+    asked: Confident,
+    given: RunOptions,
+    *,
+    as_json: bool,
+    quiet: bool,
+) -> Result:
+    """Plan with a confidence, and print the notes."""
+    from ...analysis.robust.robust import robust
+    from ...problem.uncertainty import Uncertainty
+
+    assert asked.confidence is not None
+    assert asked.uncertainty_path is not None
+    confidence, uncertainty = asked.confidence, Uncertainty.load(asked.uncertainty_path)
+    result = work(
+        lambda stop, progress: robust(
+            instance,
+            uncertainty,
+            confidence,
+            method,
+            time_limit=given.time_limit,
+            seed=given.seed,
+            bound=given.bound,
+            jobs=given.jobs,
+            stop=stop,
+            progress=progress,
+            **given.options,
+        ),
+        live=wanted(as_json, quiet),
+        quiet=quiet,
+    ).result
+    say_notes(result, quiet)
+    return result
 
 
 @click.command("solve")
-@take.instance
-@take.method
-@take.number("--time-limit", "S", "Wall-clock limit, timetable included; default 10 s.")
+@param.instance
+@param.method
+@param.number("--time-limit", "S", "Wall-clock limit, timetable included; default 10 s.")
 @run_options
-@take.number(
+@param.number(
     "--memory",
     "GIB",
     "Maximum memory for the timetable; beyond it, only the nearest pairs are used; default 2 GiB.",
     name="memory_gib",
 )
-@take.file("--policy", "Short for --option policy=FILE.")
-@take.word("--decode", "HOW", "Short for --option decode=HOW.")
-@take.flag("--repair", "Keep the legal beginning of an illegal --start.")
-@take.word(
+@param.file("--policy", "Short for --option policy=FILE.")
+@param.word("--decode", "HOW", "Short for --option decode=HOW.")
+@param.flag("--repair", "Keep the legal beginning of an illegal --start.")
+@param.word(
     "--bound",
     "NAME",
     "Bound to run beside the planner.",
     name="bound_name",
     shell_complete=complete.bounds,
 )
-@take.file("--out", "Plan file to write.")
+@param.file("--out", "Plan file to write.")
 @certificate_option
 @refine_options
 @confident_options
 @no_fly_option
-@take.as_json
-@take.quiet
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     method: str | None,
@@ -91,7 +178,7 @@ def command(
     from ...problem.instance import load
     from ...run import front
     from ...run.methods import BOUNDS, PLANNERS
-    from .live import wanted
+    from .bars import wanted
     from .work import emit_result, run_method, say_notes, work
 
     method = method or front.DEFAULT_METHOD

@@ -9,11 +9,10 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import designs, take
-from .output import emit_json, emit_rich, say
-from .parameters import check_out
-from .picture import check_picture, write_picture
-from .plan_folder import check_folder, write_points
+from . import designs, param
+from .output import emit_json, emit_rich, say, say_written
+from .parameters import check_outs
+from .study_files import check_folder, check_picture, write_picture, write_points
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -25,8 +24,8 @@ if TYPE_CHECKING:
 
 
 @click.command("tradeoff", short_help="Plans and bounds over budgets, durations, drives, designs.")
-@take.instance
-@take.many(
+@param.instance
+@param.many(
     "--vary",
     "NAME=LO:HI:STEP",
     "Range of delta-v [m/s], propellant [kg], duration [d], thrust [N] or isp [s], or, of designs, "
@@ -34,34 +33,34 @@ if TYPE_CHECKING:
     "VALUE,VALUE...; repeatable.",
     name="varied",
 )
-@take.file(
+@param.file(
     "--frontier",
     "CSV file of least ΔV against the last day, at the largest prize; needs no --vary.",
     name="frontier_path",
 )
-@take.file(
+@param.file(
     "--worth",
     "JSON file of 'worth --pairs': plans with floors, bounds with worths alone.",
     "worth_path",
 )
-@take.number("--launch-cost", "EUR", "Of designs: euros for each launch.")
-@take.number("--kit-cost", "EUR", "Of designs: euros for each kit.")
-@take.number("--kg-cost", "EUR", "Of designs: euros for each kilogram at launch.")
-@take.method
-@take.number("--time-limit", "S", "Wall-clock limit of each run; default 10 s.")
-@take.seed
-@take.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
-@take.file(
+@param.number("--launch-cost", "EUR", "Of designs: euros for each launch.")
+@param.number("--kit-cost", "EUR", "Of designs: euros for each kit.")
+@param.number("--kg-cost", "EUR", "Of designs: euros for each kilogram at launch.")
+@param.method
+@param.number("--time-limit", "S", "Wall-clock limit of each run; default 10 s.")
+@param.seed
+@param.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
+@param.file(
     "--out",
     "CSV table to write; beside it FILE.jsonl, from which the same call resumes. Any other name: "
     "that file alone.",
 )
-@take.file("--page", "HTML file to write.", name="page_path")
-@take.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
-@take.word("--plans", "FOLDER", "Folder for instances and plans; of designs, reports as well.")
-@take.cluster
-@take.as_json
-@take.quiet
+@param.file("--page", "HTML file to write.", name="page_path")
+@param.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
+@param.word("--plans", "FOLDER", "Folder for instances and plans; of designs, reports as well.")
+@param.cluster
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     varied: tuple[str, ...],
@@ -96,8 +95,7 @@ def command(
     from ...run import front
     from ..report.plain import check_page, write_page
     from ..report.traded import traded_page
-    from .bars import counting_bar
-    from .live import wanted
+    from .bars import counting_bar, wanted
     from .work import work
 
     axes = [parse_axis(text) for text in varied]
@@ -125,19 +123,16 @@ def command(
         )
     if plans is not None:
         check_folder(plans, instance_path)
+    rows = out if out is None else _rows_of(out)
+    results = [frontier_path, plot_path, page_path, out]
+    check_outs(results if rows == out else [*results, rows], instance_path)
     if frontier_path is not None:
         check_frontier(instance, axes)
-        check_out(frontier_path, instance_path, results=(out, page_path, plot_path))
         axes = axes or [Axis("duration", (instance.mission.duration_s,))]
-    rows = out if out is None else _rows_of(out)
-    check_out(out, instance_path)
-    check_out(rows, instance_path, results=(frontier_path,))
     if page_path is not None:
         check_page(page_path)
-        check_out(page_path, instance_path, results=(out, rows))
     if plot_path is not None:
         check_picture(plot_path)
-        check_out(plot_path, instance_path, results=(out, rows, page_path))
 
     def told(point: Point, board: KnownPoints) -> None:
         proven = sum(each.proven for each in board.points.values())
@@ -176,14 +171,12 @@ def command(
     if page_path is not None:
         write_page(page_path, traded_page(made, endings))
     if plot_path is not None:
-        from ..plot.tradeoff import tradeoff_chart
+        from ..plot.studies import tradeoff_chart
 
         write_picture(tradeoff_chart(made, made.axes[0].kind), plot_path)
     if plans is not None:
         write_points(made, plans)
-    for path in (out, frontier_path, page_path, plot_path, plans):
-        if path is not None:
-            say(f"wrote {path}", unless=quiet)
+    say_written(out, frontier_path, page_path, plot_path, plans, quiet=quiet)
     if as_json:
         stated = {"frontier": [ending.to_dict() for ending in endings]} if frontier_path else {}
         emit_json(made.to_dict() | stated)
@@ -223,15 +216,18 @@ def _called(point: Point) -> str:
 
 
 def _table(made: Tradeoff) -> Table:
-    from ..report.traded import cells, headings
+    from ..report.traded import point_columns
     from .tables import number_table
 
     title = f"{made.instance.name}: {made.proven} of {counted(len(made.points), 'point')} proven"
-    return number_table(title, headings(made), (cells(made, point) for point in made.points))
+    columns = point_columns(made)
+    rows = ([tell(point) for tell in columns.values()] for point in made.points)
+    return number_table(title, columns, rows)
 
 
 def _frontier_table(endings: tuple[Ending, ...]) -> Table:
-    from ..report.traded import FRONTIER, FRONTIER_HEADINGS, ending_cells
+    from ..report.traded import FRONTIER, FRONTIER_COLUMNS
     from .tables import number_table
 
-    return number_table(FRONTIER, FRONTIER_HEADINGS, map(ending_cells, endings))
+    rows = ([tell(ending) for tell in FRONTIER_COLUMNS.values()] for ending in endings)
+    return number_table(FRONTIER, FRONTIER_COLUMNS, rows)

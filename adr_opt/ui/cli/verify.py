@@ -8,7 +8,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, take
+from . import complete, param
 from .output import emit, emit_json
 from .parameters import about
 
@@ -32,7 +32,7 @@ TOLD = (
 
 
 @click.command("verify")
-@take.instance
+@param.instance
 @click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1, shell_complete=complete.files)
 @click.option(
     "--connections",
@@ -41,7 +41,7 @@ TOLD = (
     help="Number of connections to fly again by the physics of 'check'; default 1000.",
 )
 @click.option("--seed", type=click.IntRange(0), default=0, help="Seed of their choice; default 0.")
-@take.as_json
+@param.as_json
 def command(
     instance_path: str, paths: tuple[str, ...], connections: int | None, seed: int, as_json: bool
 ) -> int:
@@ -58,7 +58,7 @@ def command(
     from ...plan.certificate import Certificate
     from ...plan.plan import Plan
     from ...problem.instance import load
-    from .live import wanted
+    from .bars import wanted
     from .work import attend
 
     instance = load(instance_path)

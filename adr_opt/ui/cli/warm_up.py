@@ -8,7 +8,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.processors import usable_cores
-from . import complete, take
+from . import complete, param
 from .output import emit, emit_json, say
 
 if TYPE_CHECKING:
@@ -21,9 +21,9 @@ ENVIRONMENT = "environment"
 
 @click.command("warm-up", short_help="Compile what methods need, once and for all runs.")
 @click.argument("methods", nargs=-1, metavar="[METHOD]...", shell_complete=complete.methods)
-@take.count("--jobs", "N", "Processes side by side; one for each core.")
-@take.as_json
-@take.quiet
+@param.count("--jobs", "N", "Processes side by side; one for each core.")
+@param.as_json
+@param.quiet
 def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bool) -> int:
     """Compile the kernels of METHODs, by default of all planners and bounds.
 
@@ -93,9 +93,9 @@ def compile_for(methods: list[str], jobs: int) -> list[dict[str, Any]]:
 
 def _common() -> dict[str, Any]:
     """Compile timetables, rules, burns and low thrust, the check and the flight in mean motion."""
-    from ...fly.flight.aimed import practise
+    from ...fly.flight.retargeted import practise
     from ...judge.check.verdict import check
-    from ...legs.least_thrust import too_weak
+    from ...legs.families.low_thrust import too_weak
     from ...mission.certified import certify
     from ...run.warm_up import practice_mission, thrusting_problem
 

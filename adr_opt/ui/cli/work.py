@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
-from .live import live_line, wanted
+from .bars import live_line, wanted
 from .output import emit_json, say
 from .signals import Aborted, signals_to
 

@@ -2,46 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, take
-from .output import emit_json, emit_rich, say
-from .parameters import check_out
+from . import complete, param
+from .output import emit_json, emit_rich, say, say_written
+from .parameters import check_outs
 
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from ...sources.catalogue import ElementSet
+    from ...sources.worth import Bodies, Satcat
+
 
 @click.command("worth", short_help="Worth of removing each object, as prizes for 'import'.")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
-@take.file("--out", "CSV file of prizes to write: object,prize,mass.", required=True)
-@take.file("--satcat", "satcat.tsv of the General Catalog, for masses and sizes.", "satcat_path")
-@take.file("--table", "CSV file with columns object,mass,size, preferred to both.", "table_path")
+@param.file("--out", "CSV file of prizes to write: object,prize,mass.", required=True)
+@param.satcat
+@param.measures
 @click.option("--years", type=float, default=50.0, show_default=True, help="Horizon, at most 200.")
-@click.option(
-    "--activity",
-    type=click.Choice(["low", "mean", "high"]),
-    default="mean",
-    show_default=True,
-    help="Solar activity, on which the density of the air depends.",
-)
-@take.count(
+@param.activity
+@param.count(
     "--candidates", "N", "Number of objects with prizes; 0 for all.", default=200, show_default=True
 )
-@take.count("--falling", "N", "Let prizes fall yearly for N years, after which they are 0.")
-@take.number("--unit", "U", "Unit of prizes [fragment-years]; by default a power of ten.")
-@take.file("--details", "CSV file to write with all that is known of the candidates.", "details")
-@take.file("--pairs", "JSON file of worths alone and of pairs, for 'tradeoff --worth'.", "pairs")
-@take.file("--page", "HTML file to write.", name="page_path")
-@take.many("--exclude", "PATTERN", "Names to leave out, such as satellites that dodge; repeatable.")
-@take.count("--jobs", "N", "Number of cores; 0 for all.", default=0)
-@take.flag("--skip-bad", "Skip bad rows, and count them.")
-@take.as_json
-@take.quiet
+@param.count("--falling", "N", "Let prizes fall yearly for N years, after which they are 0.")
+@param.number("--unit", "U", "Unit of prizes [fragment-years]; by default a power of ten.")
+@param.file("--details", "CSV file to write with all that is known of the candidates.", "details")
+@param.file("--pairs", "JSON file of worths alone and of pairs, for 'tradeoff --worth'.", "pairs")
+@param.file("--page", "HTML file to write.", name="page_path")
+@param.exclude
+@param.count("--jobs", "N", "Number of cores; 0 for all.", default=0)
+@param.skip_bad
+@param.as_json
+@param.quiet
 def command(
     files: tuple[str, ...],
     out: str,
@@ -72,17 +70,12 @@ def command(
     from ...sources.worth.worth_file import check_count
     from ..report.plain import check_page, write_page
     from ..report.worth import worth_page
-    from .bars import counting_bar
-    from .live import wanted
-    from .measured import measured_bodies
+    from .bars import counting_bar, wanted
 
     read = (*files, satcat_path, table_path)
-    check_out(out, *read, results=(details, pairs, page_path))
-    check_out(details, *read, results=(pairs, page_path))
-    check_out(pairs, *read, results=(page_path,))
+    check_outs((out, details, pairs, page_path), *read)
     if page_path is not None:
         check_page(page_path)
-        check_out(page_path, *read)
     check_years(years)
     if any(not pattern.strip() for pattern in exclude):
         raise InputError("--exclude '': give a part of a name or a pattern")
@@ -125,9 +118,7 @@ def command(
         write_page(page_path, page)
     for note in notes:
         say(note, unless=quiet)
-    for path in (out, details, pairs, page_path):
-        if path is not None:
-            say(f"wrote {path}", unless=quiet)
+    say_written(out, details, pairs, page_path, quiet=quiet)
     if as_json:
         emit_json(told)
     else:
@@ -137,7 +128,7 @@ def command(
 
 
 def _tell(told: dict[str, Any], quiet: bool) -> None:
-    from ...sources.worth.reasons import figure
+    from ...sources.worth.answer import figure
 
     masses = ", ".join(f"{source} {count}" for source, count in sorted(told["masses"].items()))
     say(f"{counted(told['objects'], 'object')}; masses: {masses}", unless=quiet)
@@ -179,3 +170,48 @@ def _table(told: dict[str, Any]) -> Table:
             each["reason"],
         )
     return table
+
+
+FEW = 0.5
+"""Share of objects found in the satcat below which another date is suspected."""
+
+
+def measured_bodies(
+    records: Sequence[ElementSet],
+    satcat: Satcat | None,
+    satcat_path: str | None,
+    table_path: str | None,
+    excluded: Collection[str],
+) -> tuple[Bodies, list[str]]:
+    """Orbits, masses and sizes, and notes: rows without an object, masses that are defaults.
+
+    Raises
+    ------
+    InputError
+        As for :func:`adr_opt.sources.worth.read_measures`.
+    """
+    from ...sources import worth
+
+    table = None if table_path is None else worth.read_measures(table_path, records)
+    bodies = worth.bodies_of(records, satcat, table and table.known, excluded)
+    notes = []
+    if table is not None and table.strange:
+        notes.append(
+            f"note: {table_path}: {counted(len(table.strange), 'object')} not in the catalogue, "
+            f"{table.strange[0]!r} for one; left out"
+        )
+    if satcat is not None and bodies.matched < FEW * len(bodies):
+        of_when = f"the file of {satcat.updated}" if satcat.updated else "the file"
+        notes.append(
+            f"warning: {satcat_path}: {of_when} has {bodies.matched} of "
+            f"{counted(len(bodies), 'object')}; the others have default masses"
+        )
+    defaults = bodies.default_masses
+    if satcat is None and defaults:
+        notes.append(
+            f"note: {sum(defaults.values())} of {counted(len(bodies), 'mass', 'masses')} are "
+            "defaults: "
+            + ", ".join(f"{what} {count}" for what, count in defaults.items())
+            + "; --satcat or --table knows them better"
+        )
+    return bodies, notes

@@ -19,16 +19,11 @@ axis that has its methods (extra ``[viz]`` installs it).
 from __future__ import annotations
 
 from ...plan.phases import COLOURS, LABELS, PHASES
-from .budget import delta_v_left
-from .costs import leg_delta_v
-from .courses import altitude, nodes, path
-from .fields import matrix, planes
-from .gantt import gantt
-from .heights import keep_out_zones
-from .mass import mass
-from .segments import Segment, segments
-from .space import earth, orbits
-from .tradeoff import tradeoff
+from .budget import delta_v_left, leg_delta_v, mass
+from .courses import altitude, earth, keep_out_zones, nodes, orbits, path
+from .gantt import Segment, gantt, segments
+from .nodes import matrix, planes
+from .studies import tradeoff
 
 __all__ = [
     "COLOURS",

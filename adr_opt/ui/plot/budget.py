@@ -1,16 +1,155 @@
-"""Remaining ΔV against time."""
+"""ΔV and masses: what is left against time, and the cost of each leg."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from ...plan.cargo import Aboard
+from ...plan.leg_kinds import GIVEN, LOW_THRUST
 from ...plan.palette import STATION, chaser_colours
-from ...plan.plan import Plan
+from ...plan.phases import COLOURS
+from ...plan.plan import Leg, Plan
+from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import Flown, routes_of, several
+from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
-from .chart import DAYS, Chart, ChartAxis, Line, Marks, days
-from .draw import draw
+from .chart import DAYS, Chart, ChartAxis, Columns, Line, Marks, days, draw
+
+Knot = tuple[int, float, float]
+"""Number of a leg, time [s] and mass [kg]."""
+
+
+def masses(instance: Instance, plan: Plan) -> dict[str, tuple[Knot, ...]]:
+    """Mass of each chaser that has a tank by mass and flies, linear between knots, by its name.
+
+    Propellant and kits included. It falls uniformly along arcs of thrust and tows, at once with
+    impulses, which are taken together at the arrival, and where a kit is left behind; it rises
+    where the tank is filled.
+    """
+    plan.instance.refuse_other(instance)
+    return {
+        flown.chaser.name: tuple(_knots(instance, flown))
+        for flown in routes_of(instance, plan)
+        if isinstance(flown.chaser.tank, TankByMass) and flown.legs
+    }
+
+
+def _knots(instance: Instance, flown: Flown) -> Iterator[Knot]:
+    stages = flown.aboard(instance)
+    exhaust_m_s = flown.chaser.tank.exhaust_m_s
+    number, first = flown.legs[0]
+    yield number, first.ready_s, stages[0].mass_kg or 0.0
+    departing = flown.departing_kg(instance)
+    for (number, leg), before_kg, after in zip(flown.legs, departing, stages[1:], strict=False):
+        for time_s, mass_kg in _of_leg(leg, exhaust_m_s, before_kg, after):
+            yield number, time_s, mass_kg
+
+
+def _of_leg(
+    leg: Leg, exhaust_m_s: float, mass_kg: float, after: Aboard
+) -> Iterator[tuple[float, float]]:
+    """Times and masses from the departure to the end of the tow."""
+    if leg.manoeuvres is None:
+        yield leg.arrival_s, mass_kg
+        mass_kg *= math.exp(-leg.delta_v_m_s / exhaust_m_s)
+        yield leg.arrival_s, mass_kg
+    for arc in leg.manoeuvres or ():
+        yield arc.start_s, mass_kg
+        mass_kg *= math.exp(-arc.delta_v_m_s / exhaust_m_s)
+        yield arc.end_s, mass_kg
+    yield leg.end_s, mass_kg
+    done_kg = after.mass_kg or 0.0
+    yield leg.end_s, done_kg + after.removal_kg
+    if leg.tow is not None:
+        yield leg.tow.start_s, done_kg + after.removal_kg
+        yield leg.tow.end_s, done_kg
+
+
+def mass_chart(instance: Instance, plan: Plan) -> Chart:
+    """Masses [kg] against days, a line per chaser."""
+    colours = chaser_colours(instance)
+    lines = [
+        Line(
+            name=name,
+            colour=colours[name],
+            x=days([time_s for _, time_s, _ in knots]),
+            y=[mass_kg for _, _, mass_kg in knots],
+            legs=[leg for leg, _, _ in knots],
+            of=[(leg, time_s) for leg, time_s, _ in knots],
+        )
+        for name, knots in masses(instance, plan).items()
+    ]
+    return Chart(tuple(lines), DAYS, ChartAxis("mass [kg]"))
+
+
+def mass(ax: Any, instance: Instance, plan: Plan) -> Any:
+    """Add the mass of each chaser [kg] against time [days], propellant and kits included.
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance.
+    """
+    return draw(ax, mass_chart(instance, plan))
+
+
+PLANNED, BURNED, REFINED = COLOURS["phasing"], COLOURS["terminal"], COLOURS["co-elliptic"]
+MENDED = COLOURS["approach"]
+
+
+def has_burns(plan: Plan) -> bool:
+    """Whether burns of a plan can be set against its costs: it has some, or no leg at all."""
+    kinds = {leg.kind for leg in plan.legs}
+    without = {GIVEN.name, LOW_THRUST.name} & kinds
+    return not without or any(leg.burns for leg in plan.legs)
+
+
+def costs_chart(plan: Plan, refined: RefinedPlan | None = None) -> Chart:
+    """ΔV [m/s] of each leg: planned, in burns and, for a refined plan, as flown.
+
+    Burns are left out where the plan has none. Where legs were refined onto ephemerides, the plan's
+    own burns are shown, too, as they lead to where bodies are said to be.
+    """
+    shown = [("planned", PLANNED, [leg.delta_v_m_s for leg in plan.legs])]
+    if has_burns(plan):
+        shown.append(("burns", BURNED, [leg.burns_delta_v_m_s for leg in plan.legs]))
+    numbers = range(1, len(plan.legs) + 1)
+    if refined is not None:
+        known = {leg.leg: leg for leg in refined.legs}
+        onto = refined.ephemerides is not None
+        if onto:
+            own = {at: leg.retargeted_delta_v_m_s for at, leg in known.items()}
+            shown.append(
+                ("burns onto ephemerides", MENDED, [own.get(at, math.nan) for at in numbers])
+            )
+        flown = {at: leg.flown_delta_v_m_s for at, leg in known.items()}
+        name = "refined onto ephemerides" if onto else "refined"
+        shown.append((name, REFINED, [flown.get(at, math.nan) for at in numbers]))
+    columns = (
+        Columns(name=name, colour=colour, x=numbers, y=values, legs=numbers, of=plan.legs)
+        for name, colour, values in shown
+    )
+    return Chart(tuple(columns), ChartAxis("leg", 0), ChartAxis("ΔV [m/s]"))
+
+
+def leg_delta_v(ax: Any, instance: Instance, plan: Plan) -> Any:
+    """Add two bars per leg: its planned ΔV and the sum of its burns [m/s].
+
+    They differ by what is set aside for eccentricity, and where a leg drifts: then the plan counts
+    with a closed form. Where connections are given or legs are of low thrust, there are no burns to
+    be shown.
+
+    Raises
+    ------
+    InputError
+        The plan belongs to another instance.
+    """
+    plan.instance.refuse_other(instance)
+    return draw(ax, costs_chart(plan))
+
 
 LEFT = "ΔV left"
 

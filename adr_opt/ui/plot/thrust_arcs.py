@@ -22,7 +22,7 @@ from ...plan.routes import Flown, routes_of
 from ...plan.tows import leaving_orbits
 from ...problem.drives import Drive, drive_of
 from ...problem.instance import Instance
-from .segments import Segment, segments
+from .gantt import Segment, segments
 from .strands import POINTS_OF_A_RING, Array, DrawnArc, joined
 
 PIECES = 12

@@ -21,26 +21,11 @@ def policy(*scripts: str) -> str:
     )
 
 
-ROOMS = (
-    "library",
-    "state",
-    "look",
-    "charts",
-    "access",
-    "time",
-    "spoken",
-    "motion",
-    "sun",
-    "earth",
-    "moving",
-    "view",
-    "ground",
-    "closeup",
-    "files",
-    "burns",
-    "pictures",
-    "main",
-)
+_ROOMS = """
+library state look charts access time spoken motion sun earth moving view ground closeup files
+burns pictures main
+"""
+ROOMS = tuple(_ROOMS.split())
 """Parts of the script, in the order of assembly."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -18,29 +19,17 @@ from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import owners
 from ...problem.instance import Instance
-from ..plot.tracks import Track
-from .tables import row, table
+from ..plot.strands import Track
+from .tables import Column, table_of
 from .text import NOTHING, clock, escape, fixed, in_chart
 
 PLANNED, REFINED = "planned", "refined"
 
-COLUMNS = (
-    "burns",
-    "chaser",
-    "leg",
-    "origin",
-    "destination",
-    "phase",
-    "time_s",
-    "utc",
-    "delta_v_m_s",
-    "x_m_s",
-    "y_m_s",
-    "z_m_s",
-    "radial_m_s",
-    "along_track_m_s",
-    "cross_track_m_s",
-)
+_COLUMNS = """
+burns chaser leg origin destination phase time_s utc delta_v_m_s x_m_s y_m_s z_m_s
+radial_m_s along_track_m_s cross_track_m_s
+"""
+COLUMNS = tuple(_COLUMNS.split())
 """Columns of the CSV file: context of the burn, time, and ΔV in the frame of the elements and in
 that of the chaser; the last three are empty if unknown."""
 
@@ -186,30 +175,21 @@ def _table(caption: str, instance: Instance, plan: Plan, burns: Sequence[Reporte
         calendar = UtcClock(instance).labels([burn.time_s for burn in burns]) if burns else []
     except InputError:  # times that no calendar has; the check says what is wrong with them
         calendar = [NOTHING] * len(burns)
-    rows = []
-    for at, (burn, date) in enumerate(zip(burns, calendar, strict=True), start=1):
-        local = burn.local_m_s
-        cells = (
-            ("n", str(at)),
-            *([("", escape(whose.get(burn.leg, NOTHING)))] if whose else []),
-            ("n", str(burn.leg)),
-            ("", LABELS.get(burn.phase, burn.phase)),
-            ("n", clock(burn.time_s)),
-            ("n", date[:19].replace("T", " ")),
-            ("n", fixed(burn.size_m_s, 3)),
-            *(("n", NOTHING if local is None else fixed(local[axis], 3)) for axis in range(3)),
-        )
-        rows.append(row(cells, f'data-of="{burn.leg}"'))
-    headings = (
-        ("burn", "n"),
-        *([("chaser", "")] if whose else []),
-        ("leg", "n"),
-        ("phase", ""),
-        ("time", "n"),
-        ("UTC", "n"),
-        ("ΔV m/s", "n"),
-        ("radial", "n"),
-        ("along-track", "n"),
-        ("cross-track", "n"),
-    )
-    return table(caption, headings, rows)
+
+    def local(burn: ReportedBurn, axis: int) -> str:
+        return NOTHING if burn.local_m_s is None else fixed(burn.local_m_s[axis], 3)
+
+    columns: list[Column | bool] = [
+        ("burn", "n", lambda at, burn, date: str(at)),
+        bool(whose) and ("chaser", "", lambda at, burn, _: escape(whose.get(burn.leg, NOTHING))),
+        ("leg", "n", lambda at, burn, date: str(burn.leg)),
+        ("phase", "", lambda at, burn, date: LABELS.get(burn.phase, burn.phase)),
+        ("time", "n", lambda at, burn, date: clock(burn.time_s)),
+        ("UTC", "n", lambda at, burn, date: date[:19].replace("T", " ")),
+        ("ΔV m/s", "n", lambda at, burn, date: fixed(burn.size_m_s, 3)),
+        ("radial", "n", lambda at, burn, date: local(burn, 0)),
+        ("along-track", "n", lambda at, burn, date: local(burn, 1)),
+        ("cross-track", "n", lambda at, burn, date: local(burn, 2)),
+    ]
+    items = zip(itertools.count(1), burns, calendar, strict=False)
+    return table_of(caption, columns, items, lambda at, burn, date: f'data-of="{burn.leg}"')

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 from ...analysis.comparison import Comparison, Difference, LegPair, Side
@@ -15,8 +15,8 @@ from ...problem.instance import Instance
 from ..plot.budget import LEFT, budget_chart
 from ..plot.chart import DAYS, Chart, ChartAxis, Line
 from .charts import drawn
-from .plain import page, row, section
-from .tables import table
+from .plain import page, row, section, table_of
+from .tables import Column, table
 from .text import NOTHING, clock, fixed, number
 
 WORDS = {"same": "the same", "retimed": "other time or cost", "moved": "at another place"}
@@ -69,46 +69,32 @@ def _visits(instance: Instance, plan: Plan, name: str, colour: str) -> Line:
     return Line(name=name, colour=colour, step=True, x=[0.0, *ends], y=range(len(ends) + 1))
 
 
-FIGURES = (
-    "prize",
-    "bound, stated",
-    "gap, stated",
-    "status, stated",
-    "visits",
-    "required",
-    "ΔV m/s",
-    "cost",
-    "refuellings",
-    "end",
-    "violations",
-    "method",
-)
+FIGURES: dict[str, Callable[[Side], str]] = {
+    "prize": lambda side: number(side.objective, 3),
+    "bound, stated": lambda side: _unless_none(side.upper_bound, lambda bound: number(bound, 3)),
+    "gap, stated": lambda side: _unless_none(side.gap, lambda gap: f"{gap:.1%}"),
+    "status, stated": lambda side: status_words(side.status),
+    "visits": lambda side: str(side.visits),
+    "required": lambda side: str(side.required),
+    "ΔV m/s": lambda side: fixed(side.delta_v_m_s, 1),
+    "cost": lambda side: fixed(side.cost, 1),
+    "refuellings": lambda side: str(side.refuellings),
+    "end": lambda side: clock(side.end_s),
+    "violations": lambda side: str(side.violations),
+    "method": lambda side: side.method,
+}
+"""Totals of a plan as texts."""
 
 
-def figures(side: Side) -> tuple[str, ...]:
-    """Totals of a plan as texts, in the order of :data:`FIGURES`."""
-    return (
-        number(side.objective, 3),
-        NOTHING if side.upper_bound is None else number(side.upper_bound, 3),
-        NOTHING if side.gap is None else f"{side.gap:.1%}",
-        status_words(side.status),
-        str(side.visits),
-        str(side.required),
-        fixed(side.delta_v_m_s, 1),
-        fixed(side.cost, 1),
-        str(side.refuellings),
-        clock(side.end_s),
-        str(side.violations),
-        side.method,
-    )
+def _unless_none(value: float | None, tell: Callable[[float], str]) -> str:
+    return NOTHING if value is None else tell(value)
 
 
 def _sides(comparison: Comparison) -> str:
     headings = (("figure", ""), *((name, "n") for name in comparison.plans))
-    columns = [figures(side) for side in comparison.sides]
     rows = (
-        row((("", title), *(("n", column[at]) for column in columns)))
-        for at, title in enumerate(FIGURES)
+        row((("", title), *(("n", tell(side)) for side in comparison.sides)))
+        for title, tell in FIGURES.items()
     )
     return table("Plans side by side", headings, rows)
 
@@ -129,34 +115,28 @@ def _said(difference: Difference) -> str:
 
 def _legs(comparison: Comparison, difference: Difference) -> str:
     whose = several(comparison.instance)
-    headings = (
-        *((("chaser", ""),) if whose else ()),
-        ("destination", ""),
-        ("leg", "n"),
-        ("departs", "n"),
-        ("ΔV m/s", "n"),
-        ("leg there", "n"),
-        ("departs there", "n"),
-        ("ΔV there", "n"),
-        ("more ΔV", "n"),
-        ("difference", ""),
-    )
-    return table(f"Legs of {difference.name}", headings, _rows(difference, whose))
+    columns: list[Column | bool] = [
+        whose and ("chaser", "", lambda pair: pair.chaser),
+        ("destination", "", lambda pair: pair.destination),
+        ("leg", "n", lambda pair: _of_leg(pair.first, 0)),
+        ("departs", "n", lambda pair: _of_leg(pair.first, 1)),
+        ("ΔV m/s", "n", lambda pair: _of_leg(pair.first, 2)),
+        ("leg there", "n", lambda pair: _of_leg(pair.other, 0)),
+        ("departs there", "n", lambda pair: _of_leg(pair.other, 1)),
+        ("ΔV there", "n", lambda pair: _of_leg(pair.other, 2)),
+        ("more ΔV", "n", more),
+        ("difference", "", told),
+    ]
+    pairs = ((pair,) for pair in difference.pairs)
+    return table_of(f"Legs of {difference.name}", columns, pairs, lambda pair: pair.what)
 
 
-def _rows(difference: Difference, whose: bool) -> Iterator[str]:
-    for pair in difference.pairs:
-        cells = [("", pair.chaser)] if whose else []
-        cells += [("", pair.destination), *_cells(pair.first), *_cells(pair.other)]
-        cells += [("n", more(pair)), ("", told(pair))]
-        yield row(cells, pair.what)
-
-
-def _cells(numbered: tuple[int, Leg] | None) -> list[tuple[str, str]]:
+def _of_leg(numbered: tuple[int, Leg] | None, which: int) -> str:
+    """Number, departure or ΔV of a leg."""
     if numbered is None:
-        return [("n", NOTHING)] * 3
+        return NOTHING
     at, leg = numbered
-    return [("n", str(at)), ("n", clock(leg.departure_s)), ("n", fixed(leg.delta_v_m_s, 1))]
+    return (str(at), clock(leg.departure_s), fixed(leg.delta_v_m_s, 1))[which]
 
 
 def told(pair: LegPair) -> str:

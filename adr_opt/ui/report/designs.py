@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from ...analysis.design.designs import shown
 from ...analysis.design.point import DesignPoint
@@ -13,12 +13,12 @@ from ...common.constants import DAY_S
 from ...common.wording import counted
 from ...plan.plan import Leg
 from ...plan.routes import routes_of
-from ...sources.worth.reasons import figure
-from ..plot.designs import MILLION, anchor, designs_chart
-from . import tables
+from ...sources.worth.answer import figure
+from ..plot.studies import MILLION, anchor, designs_chart
+from . import plain
 from .charts import drawn
-from .plain import page, row, section
-from .tables import table
+from .plain import page, section
+from .tables import Column, table_of
 from .text import NOTHING, escape, fixed, number
 
 CAPTION = "Avoided against euros"
@@ -74,44 +74,45 @@ def designs_page(study: DesignStudy, links: Links | None = None) -> str:
     return page("Designs", study.instance.name, under, parts)
 
 
-def headings(study: DesignStudy) -> tuple[str, ...]:
-    """Headings of a table of designs: what is varied, and results."""
-    varied = [f"{axis.kind} {KINDS[axis.kind].unit}".rstrip() for axis in study.axes]
-    return ("design", *varied, *RESULTS)
+Tell = Callable[[int, DesignPoint], str]
+"""What stands in a column, of the place of a design and its point."""
 
 
-RESULTS = (
-    "planned",
-    "avoided",
-    "at most",
-    "gap",
-    "M€",
-    "per M€",
-    "launches used",
-    "removals",
-    "front",
-    "s",
-)
+def design_columns(study: DesignStudy) -> dict[str, Tell]:
+    """Columns of a table of designs: what is varied, and results, as texts."""
+
+    def varied(at_axis: int) -> Tell:
+        return lambda at, point: shown(*point.design.values[at_axis])
+
+    return {
+        "design": lambda at, point: str(at + 1),
+        **{
+            f"{axis.kind} {KINDS[axis.kind].unit}".rstrip(): varied(at_axis)
+            for at_axis, axis in enumerate(study.axes)
+        },
+        "planned": lambda at, point: figure(point.floor) if point.plan else NOTHING,
+        "avoided": lambda at, point: figure(point.worth) if point.plan else NOTHING,
+        "at most": lambda at, point: figure(point.bound) if _bounded(point) else NOTHING,
+        "gap": lambda at, point: f"{point.gap:.1%}" if _has_gap(point) else NOTHING,
+        "M€": lambda at, point: fixed(point.euros / MILLION, 2) if point.plan else NOTHING,
+        "per M€": lambda at, point: _unless_nan(point.per_million),
+        "launches used": lambda at, point: str(point.launches),
+        "removals": lambda at, point: str(point.removals),
+        "front": lambda at, point: "yes" if at in study.front else "",
+        "s": lambda at, point: fixed(point.runtime_s, 1),
+    }
 
 
-def cells(study: DesignStudy, at: int) -> tuple[str, ...]:
-    """A design as texts, under :func:`headings`."""
-    point, front = study.points[at], study.front
-    there = point.plan is not None
-    return (
-        str(at + 1),
-        *(shown(kind, value) for kind, value in point.design.values),
-        figure(point.floor) if there else NOTHING,
-        figure(point.worth) if there else NOTHING,
-        figure(point.bound) if math.isfinite(point.bound) else NOTHING,
-        f"{point.gap:.1%}" if there and math.isfinite(point.gap) else NOTHING,
-        fixed(point.euros / MILLION, 2) if there else NOTHING,
-        NOTHING if math.isnan(point.per_million) else fixed(point.per_million, 2),
-        str(point.launches),
-        str(point.removals),
-        "yes" if at in front else "",
-        fixed(point.runtime_s, 1),
-    )
+def _bounded(point: DesignPoint) -> bool:
+    return math.isfinite(point.bound)
+
+
+def _has_gap(point: DesignPoint) -> bool:
+    return point.plan is not None and math.isfinite(point.gap)
+
+
+def _unless_nan(value: float) -> str:
+    return NOTHING if math.isnan(value) else fixed(value, 2)
 
 
 def _unit(study: DesignStudy) -> str:
@@ -119,14 +120,18 @@ def _unit(study: DesignStudy) -> str:
 
 
 def _table(study: DesignStudy) -> str:
-    rows = []
-    for at in range(len(study.points)):
-        number_of, *others = (escape(text) for text in cells(study, at))
-        link = f'<a href="#{anchor(at)}">{number_of}</a>'
-        rows.append(
-            tables.row((("n", text) for text in (link, *others)), f'data-design="{at + 1}"')
-        )
-    return table("Designs", [(title, "n") for title in headings(study)], rows)
+    def linked(at: int, point: DesignPoint) -> str:
+        return f'<a href="#{anchor(at)}">{at + 1}</a>'
+
+    def escaped(tell: Tell) -> Tell:
+        return lambda at, point: escape(tell(at, point))
+
+    texts = {title: escaped(tell) for title, tell in design_columns(study).items()}
+    columns: list[Column] = [
+        (title, "n", tell) for title, tell in (texts | {"design": linked}).items()
+    ]
+    points = enumerate(study.points)
+    return table_of("Designs", columns, points, lambda at, point: f'data-design="{at + 1}"')
 
 
 def _behind(study: DesignStudy, at: int, point: DesignPoint, files: Mapping[str, str]) -> str:
@@ -148,39 +153,26 @@ def _behind(study: DesignStudy, at: int, point: DesignPoint, files: Mapping[str,
     return f'<div id="{anchor(at)}">{section(title, said, more + _legs(study, at, point))}</div>'
 
 
-LEGS = ("chaser", "to", "kind", "departs day", "done day", "ΔV m/s")
-KINDS_OF_LEGS = ("", "", "", "n", "n", "n", "n", "n")
-"""Headings of the table of a plan's legs, and classes of its columns."""
-
-
 def _legs(study: DesignStudy, at: int, point: DesignPoint) -> str:
     """A row for each leg of a plan, with the worth of its target."""
     assert point.plan is not None
-    rows = [
-        row(
-            zip(
-                KINDS_OF_LEGS,
-                (*_leg(flown.chaser.name, leg), *_worths(study, point, leg)),
-                strict=False,
-            )
-        )
+    rated = study.rating.worths is not None
+    columns: list[Column | bool] = [
+        ("chaser", "", lambda chaser, leg: chaser),
+        ("to", "", lambda chaser, leg: leg.destination),
+        ("kind", "", lambda chaser, leg: leg.kind),
+        ("departs day", "n", lambda chaser, leg: fixed(leg.departure_s / DAY_S, 1)),
+        ("done day", "n", lambda chaser, leg: fixed(leg.done_s / DAY_S, 1)),
+        ("ΔV m/s", "n", lambda chaser, leg: number(leg.spent_m_s, 1)),
+        ("floor" if rated else "prize", "n", lambda _, leg: _worths(study, point, leg)[0]),
+        rated and ("alone", "n", lambda _, leg: _worths(study, point, leg)[1]),
+    ]
+    legs = (
+        (flown.chaser.name, leg)
         for flown in routes_of(point.instance, point.plan)
         for _, leg in flown.legs
-    ]
-    last = ("prize",) if study.rating.worths is None else ("floor", "alone")
-    titles = (*LEGS, *last)
-    return table(f"Legs of design {at + 1}", list(zip(titles, KINDS_OF_LEGS, strict=False)), rows)
-
-
-def _leg(chaser: str, leg: Leg) -> tuple[str, ...]:
-    return (
-        chaser,
-        leg.destination,
-        leg.kind,
-        fixed(leg.departure_s / DAY_S, 1),
-        fixed(leg.done_s / DAY_S, 1),
-        number(leg.spent_m_s, 1),
     )
+    return plain.table_of(f"Legs of design {at + 1}", columns, legs)
 
 
 def _worths(study: DesignStudy, point: DesignPoint, leg: Leg) -> tuple[str, ...]:

@@ -5,9 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ...common.errors import InputError
+from ...common.wording import counted
+from ...fly.flight.mean_flight import fly_mean
+from ...judge.admit import Admitted
 from ...plan.plan import Plan
+from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import Flown, routes_of
 from ...problem.instance import Instance
+from .text import escape
 
 
 @dataclass(frozen=True)
@@ -83,3 +89,34 @@ def _budgets_m_s(instance: Instance, flown: Flown) -> float:
     """Tanks available to a chaser until its last leg [m/s]."""
     followed = sum(leg.destination in instance.station_names for _, leg in flown.legs[:-1])
     return math.fsum(flown.tank_worths(instance)[: 1 + followed])
+
+
+def flown_paragraph(admitted: Admitted[Plan], refined: RefinedPlan | None) -> str:
+    """Knowledge of the plan beyond the model, from a flight in mean motion.
+
+    Parameters
+    ----------
+    admitted : Admitted
+        The plan, with its instance.
+    refined : RefinedPlan or None
+        The plan as refined, if the page has it.
+    """
+    said, holds = _said(admitted, refined)
+    kind = "" if holds else " bad"
+    return f'<p class="verdict{kind}" id="standing">{escape(said)}.</p>'
+
+
+def _said(admitted: Admitted[Plan], refined: RefinedPlan | None) -> tuple[str, bool]:
+    if refined is not None:
+        legs = counted(len(refined.legs), "leg")
+        return f"Refined in the field {refined.gravity}: {legs}, as told below", True
+    known = admitted.plan.own_flight
+    if known is not None and known.how == "refined":
+        return f"The plan states, and nobody has judged, that {known}", known.holds
+    try:
+        flight = fly_mean(admitted.instance, admitted)
+    except InputError as error:
+        return f"Neither flown nor refined: {error}", True
+    assert flight is not None  # it is never interrupted
+    told = str(flight)
+    return f"{told[:1].upper()}{told[1:]}; not refined", flight.holds

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 from ...common.wording import counted
 from ...fly.flight.refined_result import RefinedFlight
-from ...fly.flight.result import EccentricFlight, Flight, LegFlight, TankFlight, legs_named
+from ...fly.flight.result import Flight, LegFlight, TankFlight, legs_named
 from ...fly.flight.tanks import tanks_of
-from ...plan.refined_plan import RefinedPlan
+from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...problem.instance import Instance
-from .tables import Cell, route_cell, row, table
+from .tables import Column, route_cell, table_of
 from .text import NOTHING, escape, fixed
 
 MOTIONS = {"two-body": "two-body motion", "j2": "the mean motion of orbits that drift under J2"}
@@ -77,54 +77,37 @@ def _of_plan(flight: Flight, *, is_refined: bool) -> str:
             " Between eccentric orbits also where the burns lead on the true ones, and what a "
             "corrected last arc costs; aside is what the plan sets aside for it."
         )
-    rows = [_leg(leg, is_true) for leg in flight.legs]
-    headings = [
-        ("leg", "n"),
-        ("from → to", ""),
-        ("kind", ""),
-        ("planned m/s", "n"),
-        ("burns m/s", "n"),
-        ("miss m", "n"),
-        ("relative m/s", "n"),
-        ("at arrival m", "n"),
+    columns: list[Column | bool] = [
+        ("leg", "n", lambda leg: str(leg.leg)),
+        ("from → to", "", lambda leg: route_cell(leg.origin, leg.destination)),
+        ("kind", "", lambda leg: leg.kind),
+        ("planned m/s", "n", lambda leg: fixed(leg.planned_delta_v_m_s, 1)),
+        ("burns m/s", "n", lambda leg: fixed(leg.burns_delta_v_m_s, 1)),
+        ("miss m", "n", lambda leg: _small(leg.miss_m)),
+        ("relative m/s", "n", lambda leg: _small(leg.relative_speed_m_s)),
+        ("at arrival m", "n", lambda leg: _small(leg.arrival_miss_m)),
+        is_true and ("true miss m", "n", lambda leg: _true(leg, 0)),
+        is_true and ("aside m/s", "n", lambda leg: _true(leg, 1)),
+        is_true and ("corrected m/s", "n", lambda leg: _true(leg, 2)),
     ]
-    if is_true:
-        headings += [("true miss m", "n"), ("aside m/s", "n"), ("corrected m/s", "n")]
+    legs = table_of("Flown legs", columns, ((leg,) for leg in flight.legs))
     if is_refined:
         said += " The refined burns below are flown instead, and tanks are judged by them."
     tanks = "" if is_refined else _tanks(flight.tanks)
-    return f"<h3>The plan, flown</h3><p>{said}</p>{table('Flown legs', headings, rows)}{tanks}"
+    return f"<h3>The plan, flown</h3><p>{said}</p>{legs}{tanks}"
 
 
-def _leg(leg: LegFlight, is_true: bool) -> str:
-    cells: list[Cell] = [
-        ("n", str(leg.leg)),
-        route_cell(leg.origin, leg.destination),
-        ("", leg.kind),
-        ("n", fixed(leg.planned_delta_v_m_s, 1)),
-        ("n", fixed(leg.burns_delta_v_m_s, 1)),
-        ("n", _small(leg.miss_m)),
-        ("n", _small(leg.relative_speed_m_s)),
-        ("n", _small(leg.arrival_miss_m)),
-    ]
-    if is_true:
-        cells += _true(leg.eccentric)
-    return row(cells)
-
-
-def _true(flown: EccentricFlight | None) -> list[Cell]:
+def _true(leg: LegFlight, at: int) -> str:
+    """A cell on the flight between the true orbits: miss, what is set aside, and correction."""
+    flown = leg.eccentric
     if flown is None:
-        return [("n", NOTHING)] * 3
-    return [
-        ("n", _small(flown.true_miss_m)),
-        ("n", fixed(flown.eccentricity_delta_v_m_s, 1)),
-        (
-            "n",
-            "unknown"
-            if flown.correction_delta_v_m_s is None
-            else fixed(flown.correction_delta_v_m_s, 1),
-        ),
-    ]
+        return NOTHING
+    costs = flown.eccentricity_delta_v_m_s, flown.correction_delta_v_m_s
+    return _known(costs[at - 1]) if at else _small(flown.true_miss_m)
+
+
+def _known(delta_v_m_s: float | None) -> str:
+    return "unknown" if delta_v_m_s is None else fixed(delta_v_m_s, 1)
 
 
 def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight | None) -> str:
@@ -137,55 +120,41 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
         "both as the file states them, like the lowest altitude; nobody has judged these"
         + (", and the miss what another integrator finds." if flight else ".")
     )
-    rows = []
-    for leg in refined.legs:
+
+    def more(leg: RefinedLeg) -> str:
         off = leg.flown_delta_v_m_s - leg.planned_delta_v_m_s
-        cells: list[Cell] = [
-            ("n", str(leg.leg)),
-            route_cell(leg.origin, leg.destination),
-            ("", leg.kind),
-            ("n", fixed(leg.planned_delta_v_m_s, 1)),
-            ("n", fixed(leg.retargeted_delta_v_m_s, 1)),
-            ("n", fixed(leg.flown_delta_v_m_s, 1)),
-            ("n", ("+" if off > 0.0 else "") + fixed(off, 1)),
-            ("n", str(len(leg.burns))),
-            ("n", fixed(leg.lowest_altitude_m / 1e3, 0)),
-            ("n", _small(leg.residual_m)),
-            ("n", _small(leg.residual_m_s)),
-        ]
-        if flight is not None:
-            flown = of_leg.get(leg.leg)
-            cells += (
-                [("n", NOTHING)] * 2
-                if flown is None
-                else [
-                    ("n", _small(max(flown.standoff_miss_m, flown.arrival_miss_m))),
-                    ("n", _small(max(flown.standoff_miss_m_s, flown.arrival_miss_m_s))),
-                ]
-            )
-        rows.append(row(cells))
-    headings = [
-        ("leg", "n"),
-        ("from → to", ""),
-        ("kind", ""),
-        ("planned m/s", "n"),
-        ("own burns m/s, stated", "n"),
-        ("flown m/s", "n"),
-        ("more m/s", "n"),
-        ("burns", "n"),
-        ("lowest km, stated", "n"),
-        ("residual m, stated", "n"),
-        ("residual m/s, stated", "n"),
+        return ("+" if off > 0.0 else "") + fixed(off, 1)
+
+    def miss(leg: RefinedLeg, name: str) -> str:
+        flown = of_leg.get(leg.leg)
+        if flown is None:
+            return NOTHING
+        return _small(max(getattr(flown, f"{when}_{name}") for when in ("standoff", "arrival")))
+
+    judged = flight is not None
+    columns: list[Column | bool] = [
+        ("leg", "n", lambda leg: str(leg.leg)),
+        ("from → to", "", lambda leg: route_cell(leg.origin, leg.destination)),
+        ("kind", "", lambda leg: leg.kind),
+        ("planned m/s", "n", lambda leg: fixed(leg.planned_delta_v_m_s, 1)),
+        ("own burns m/s, stated", "n", lambda leg: fixed(leg.retargeted_delta_v_m_s, 1)),
+        ("flown m/s", "n", lambda leg: fixed(leg.flown_delta_v_m_s, 1)),
+        ("more m/s", "n", more),
+        ("burns", "n", lambda leg: str(len(leg.burns))),
+        ("lowest km, stated", "n", lambda leg: fixed(leg.lowest_altitude_m / 1e3, 0)),
+        ("residual m, stated", "n", lambda leg: _small(leg.residual_m)),
+        ("residual m/s, stated", "n", lambda leg: _small(leg.residual_m_s)),
+        judged and ("miss m", "n", lambda leg: miss(leg, "miss_m")),
+        judged and ("miss m/s", "n", lambda leg: miss(leg, "miss_m_s")),
     ]
-    if flight is not None:
-        headings += [("miss m", "n"), ("miss m/s", "n")]
+    legs = table_of("Refined legs", columns, ((leg,) for leg in refined.legs))
     missing = "".join(
         f"<p>Leg {each.leg} is not refined: {escape(each.reason)}.</p>" for each in refined.missing
     )
     notes = "".join(f"<p>{escape(note)}.</p>" for note in refined.notes)
     return (
         f"<h3>The plan, refined</h3><p>{said} {_total(refined)}</p>{missing}"
-        f"{table('Refined legs', headings, rows)}{_tanks(tanks_of(instance, refined))}{notes}"
+        f"{legs}{_tanks(tanks_of(instance, refined))}{notes}"
     )
 
 
@@ -216,38 +185,21 @@ def _holding(refined: RefinedPlan) -> str:
 
 
 def _tanks(tanks: Sequence[TankFlight]) -> str:
-    whose = any(tank.chaser for tank in tanks)
-    rows = [
-        row(
-            [
-                *([("", escape(tank.chaser or NOTHING))] if whose else []),
-                ("n", str(tank.tank)),
-                ("", legs_named(tank.first_leg, tank.last_leg)),
-                ("n", fixed(tank.budget_m_s, 1)),
-                ("n", fixed(tank.planned_delta_v_m_s, 1)),
-                (
-                    "n",
-                    "unknown"
-                    if tank.flown_delta_v_m_s is None
-                    else fixed(tank.flown_delta_v_m_s, 1),
-                ),
-                ("n", "unknown" if tank.over_m_s is None else fixed(-tank.over_m_s, 1)),
-                ("", "holds" if tank.holds else "<b>breaks</b>"),
-            ]
-        )
-        for tank in tanks
+    if not tanks:
+        return ""
+    columns: list[Column | bool] = [
+        any(tank.chaser for tank in tanks)
+        and ("chaser", "", lambda tank: escape(tank.chaser or NOTHING)),
+        ("tank", "n", lambda tank: str(tank.tank)),
+        ("legs", "", lambda tank: legs_named(tank.first_leg, tank.last_leg)),
+        ("of m/s", "n", lambda tank: fixed(tank.budget_m_s, 1)),
+        ("planned m/s", "n", lambda tank: fixed(tank.planned_delta_v_m_s, 1)),
+        ("flown m/s", "n", lambda tank: _known(tank.flown_delta_v_m_s)),
+        ("left m/s", "n", lambda tank: _known(None if tank.over_m_s is None else -tank.over_m_s)),
+        ("verdict", "", lambda tank: "holds" if tank.holds else "<b>breaks</b>"),
     ]
-    headings = (
-        *([("chaser", "")] if whose else []),
-        ("tank", "n"),
-        ("legs", ""),
-        ("of m/s", "n"),
-        ("planned m/s", "n"),
-        ("flown m/s", "n"),
-        ("left m/s", "n"),
-        ("verdict", ""),
-    )
-    return "<h3>Its tanks</h3>" + table("Tanks when flown", headings, rows) if rows else ""
+    found = table_of("Tanks when flown", columns, ((tank,) for tank in tanks))
+    return f"<h3>Its tanks</h3>{found}"
 
 
 def _small(value: float | None) -> str:

@@ -28,13 +28,12 @@ from ...problem.instance import Instance
 from ...problem.rules import JUDGED, Follower
 from ...problem.support import refuse
 from ..plot.courses import arcs_of
-from ..plot.segments import segments
-from ..plot.strands import DrawnArc
-from ..plot.tracks import Track
-from . import burns, controls, figures, flights, sections, space, standing, tables, thrust
+from ..plot.gantt import segments
+from ..plot.strands import DrawnArc, Track
+from . import burns, figures, flights, sections, space, tables, thrust
 from .assets import asset, chart_library, page_script, policy
-from .facts import facts
-from .figures.parts import leg_title
+from .facts import facts, flown_paragraph
+from .figures.plotly_traces import leg_title
 from .motion import motion
 from .text import escape, in_days, in_script
 
@@ -239,9 +238,9 @@ def _page(known: _Found) -> str:
         budget_note=sections.budget_note(instance),
         ends="service or refuelling" if instance.stations else "service",
         gantt_note=sections.gantt_note(instance),
-        leg_options=controls.leg_options(plan),
-        timebar=controls.timebar(),
-        phases=controls.phases([phase for phase in PHASES if phase in done]),
+        leg_options=space.leg_options(plan),
+        timebar=space.timebar(),
+        phases=space.phases([phase for phase in PHASES if phase in done]),
         trouble="" if trouble is None else sections.not_drawn(space.path_of(instance), trouble),
         mass=space.mass(instance),
         nodes=space.nodes(instance),
@@ -250,7 +249,7 @@ def _page(known: _Found) -> str:
         legs=tables.legs(instance, plan, refined),
         thrust=thrust.section(instance, plan, known.drawn),
         burns=burns.section(instance, plan, burned),
-        flown=standing.paragraph(known.admitted, refined)
+        flown=flown_paragraph(known.admitted, refined)
         + flights.section(instance, known.flight, refined, known.refined_flight),
         unvisited=left_out,
         certificate=sections.certificate(plan, found),

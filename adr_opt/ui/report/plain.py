@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import check_writable, write_text
@@ -40,6 +41,28 @@ def section(title: str, note: str, content: str) -> str:
 def row(cells: Iterable[tuple[str, str]], kind: str = "") -> str:
     """A table row: cells as (class, text), with class "n" for numbers."""
     return tables.row(((c, escape(text)) for c, text in cells), kind and f"class={kind}")
+
+
+def table_of(
+    caption: str,
+    columns: Iterable[tables.Column | bool],
+    items: Iterable[tuple[Any, ...]],
+    kind: Callable[..., str] = lambda *item: "",
+) -> str:
+    """As :func:`.tables.table_of`, of texts; ``kind`` is the class of a row."""
+
+    def escaped(tell: Callable[..., object]) -> Callable[..., str]:
+        return lambda *item: escape(tell(*item))
+
+    texts = (
+        column if isinstance(column, bool) else (*column[:2], escaped(column[2]))
+        for column in columns
+    )
+
+    def about(*item: Any) -> str:
+        return kind(*item) and f"class={kind(*item)}"
+
+    return tables.table_of(caption, texts, items, about)
 
 
 def page(over: str, title: str, under: str, sections: Iterable[str]) -> str:

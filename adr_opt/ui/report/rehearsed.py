@@ -7,10 +7,10 @@ from typing import Any
 
 from ...analysis.rehearse.rehearsals import Rehearsals
 from ...common.wording import counted
-from ..plot.rehearsal import delta_v_fan, prize_fan
+from ..plot.studies import delta_v_fan, prize_fan
 from .charts import drawn
-from .plain import page, row, section
-from .tables import table
+from .plain import page, row, section, table_of
+from .tables import Column, table
 from .text import NOTHING, fixed, number
 
 MOST_TARGETS = 25
@@ -86,15 +86,8 @@ _SHARES = {
     "as_planned": "as planned, but for captures",
 }
 
-_HEADINGS = (
-    ("mean", "n"),
-    ("± standard error", "n"),
-    ("5 %", "n"),
-    ("25 %", "n"),
-    ("median", "n"),
-    ("75 %", "n"),
-    ("95 %", "n"),
-)
+_TITLES = "mean", "± standard error", "5 %", "25 %", "median", "75 %", "95 %"
+_HEADINGS = tuple((title, "n") for title in _TITLES)
 
 
 def _summary(of: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -107,26 +100,21 @@ def _share(of: Mapping[str, Any]) -> str:
 
 
 def _losses(told: Mapping[str, Any]) -> str:
-    rows = [
-        row((("", REASONS.get(reason, reason)), ("n", fixed(mean, 3))))
-        for reason, mean in told["losses"].items()
+    columns: list[Column] = [
+        ("reason", "", lambda reason, mean: REASONS.get(reason, str(reason))),
+        ("targets", "n", lambda reason, mean: fixed(mean, 3)),
     ]
-    return table("Losses", (("reason", ""), ("targets", "n")), rows)
+    return table_of("Losses", columns, told["losses"].items())
 
 
 def _targets(told: Mapping[str, Any]) -> str:
-    rows = [
-        row(
-            (
-                ("", each["target"]),
-                ("n", f"{fixed(100.0 * each['share'], 1)} %"),
-                ("", REASONS.get(next(iter(each["reasons"])), "")),
-            )
-        )
-        for each in told["lost_targets"][:MOST_TARGETS]
+    columns: list[Column] = [
+        ("target", "", lambda each: each["target"]),
+        ("lost in", "n", _share),
+        ("most often because", "", lambda each: REASONS.get(next(iter(each["reasons"])), "")),
     ]
-    headings = (("target", ""), ("lost in", "n"), ("most often because", ""))
-    return table("Targets most often lost", headings, rows)
+    lost = ((each,) for each in told["lost_targets"][:MOST_TARGETS])
+    return table_of("Targets most often lost", columns, lost)
 
 
 def _tanks(told: Mapping[str, Any]) -> str:
@@ -134,8 +122,7 @@ def _tanks(told: Mapping[str, Any]) -> str:
         row(
             (
                 ("", each["chaser"]),
-                ("n", str(each["tank"])),
-                ("n", str(each["flown"])),
+                *(("n", str(each[name])) for name in ("tank", "flown")),
                 ("n", _share(each["dry"])),
                 *_summary(each["left_m_s"]),
             )
@@ -148,33 +135,23 @@ def _tanks(told: Mapping[str, Any]) -> str:
 
 def _bounds(told: Mapping[str, Any]) -> str:
     names = {"perfect": "perfect information", "penalised": "with penalties for the luck of draws"}
-    rows = []
-    for key, name in names.items():
-        of, gap = told["bounds"][key], told["gaps"][key]
-        rows.append(
-            row(
-                (
-                    ("", name),
-                    ("n", number(of["mean"], 4)),
-                    (
-                        "n",
-                        NOTHING
-                        if of["standard_error"] is None
-                        else number(of["standard_error"], 3),
-                    ),
-                    ("n", _percent(gap["gap"])),
-                    ("n", f"{_percent(gap['low'])} to {_percent(gap['high'])}"),
-                )
-            )
-        )
-    headings = (
-        ("bound", ""),
-        ("mean", "n"),
-        ("± standard error", "n"),
-        ("gap", "n"),
-        ("interval", "n"),
-    )
-    return table("Bounds on every policy", headings, rows)
+    columns: list[Column] = [
+        ("bound", "", lambda name, of, gap: name),
+        ("mean", "n", lambda name, of, gap: number(of["mean"], 4)),
+        ("± standard error", "n", lambda name, of, gap: _error(of["standard_error"])),
+        ("gap", "n", lambda name, of, gap: _percent(gap["gap"])),
+        (
+            "interval",
+            "n",
+            lambda name, of, gap: f"{_percent(gap['low'])} to {_percent(gap['high'])}",
+        ),
+    ]
+    items = ((name, told["bounds"][key], told["gaps"][key]) for key, name in names.items())
+    return table_of("Bounds on every policy", columns, items)
+
+
+def _error(value: float | None) -> str:
+    return NOTHING if value is None else number(value, 3)
 
 
 def _percent(value: float | None) -> str:

@@ -11,11 +11,11 @@ import numpy as np
 from ...analysis.scenario.futures import Scenario
 from ...analysis.scenario.settings import KINDS
 from ...common.wording import counted
-from ...sources.worth.reasons import figure
-from ..plot.scenario import scenario_chart
+from ...sources.worth.answer import figure
+from ..plot.studies import scenario_chart
 from .charts import drawn
-from .plain import page, row, section
-from .tables import table
+from .plain import page, row, section, table_of
+from .tables import Column, table
 from .text import NOTHING, fixed
 
 CURVES = (
@@ -113,36 +113,21 @@ def _campaigns(told: Mapping[str, Any]) -> tuple[str, str]:
     flown = [each for each in told["campaigns"] if each["flown"]]
     if not flown:
         return WITH_NONE, ""
-    rows = (
-        row(
-            (
-                ("n", str(each["year"])),
-                ("n", str(each["flown"])),
-                ("n", str(each["failed"])),
-                ("n", str(each["replanned"])),
-                ("n", str(each["captured"])),
-                ("n", str(each["missed"])),
-                ("n", figure(each["avoided"])),
-                ("", _objects(each["of_first_seed"])),
-            )
-        )
-        for each in flown
-    )
-    headings = (
-        ("year", "n"),
-        ("flown", "n"),
-        ("lost", "n"),
-        ("planned anew", "n"),
-        ("captured", "n"),
-        ("missed", "n"),
-        ("fragment-years", "n"),
-        ("of the first seed", ""),
-    )
+    columns: list[Column] = [
+        ("year", "n", lambda each: str(each["year"])),
+        ("flown", "n", lambda each: str(each["flown"])),
+        ("lost", "n", lambda each: str(each["failed"])),
+        ("planned anew", "n", lambda each: str(each["replanned"])),
+        ("captured", "n", lambda each: str(each["captured"])),
+        ("missed", "n", lambda each: str(each["missed"])),
+        ("fragment-years", "n", lambda each: figure(each["avoided"])),
+        ("of the first seed", "", lambda each: _objects(each["of_first_seed"])),
+    ]
     note = (
         "Sums over seeds; fragment-years are the floors of what was captured, counted at the year "
         "of the campaign. Of the first seed the objects, in order of time."
     )
-    return note, table("Campaigns", headings, rows)
+    return note, table_of("Campaigns", columns, ((each,) for each in flown))
 
 
 def _objects(attempts: list[Mapping[str, Any]]) -> str:

@@ -17,7 +17,7 @@ from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
 from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ...problem.instance import Instance
-from ..plot.costs import has_burns
+from ..plot.budget import has_burns
 from . import tables
 from .facts import Facts
 from .text import NOTHING, clock, escape, in_days, length, number
@@ -335,9 +335,9 @@ def origin(instance: Instance, plan: Plan) -> str:
             f"{plan.runtime_s:.2f} s",
         ),
     ]
-    asked = _asked(instance)
-    if asked:
-        rows.insert(3, ("rules", escape("; ".join(asked))))
+    rules = _rules_in_words(instance)
+    if rules:
+        rows.insert(3, ("rules", escape("; ".join(rules))))
     if plan.versions:
         versions = ", ".join(f"{name} {version}" for name, version in plan.versions.items())
         rows.append(("made with", escape(versions)))
@@ -392,48 +392,48 @@ def _transfers(instance: Instance) -> str:
     return said
 
 
-def _asked(instance: Instance) -> list[str]:
+def _rules_in_words(instance: Instance) -> list[str]:
     """Unusual requirements of an instance: times, ends, numbers."""
     windows = sum(target.window_s != (0.0, None) for target in instance.targets)
     required = sum(target.required for target in instance.targets)
-    asked = [said for chaser in instance.chasers for said in _asked_of(instance, chaser)]
+    rules = [said for chaser in instance.chasers for said in _rules_of(instance, chaser)]
     if required:
-        asked.append(f"{counted(required, 'target')} required")
+        rules.append(f"{counted(required, 'target')} required")
     if windows:
-        asked.append(f"{counted(windows, 'target')} with a window of time")
+        rules.append(f"{counted(windows, 'target')} with a window of time")
     towed = sum(target.service.is_flown for target in instance.targets)
     if towed:
         altitude_m = instance.mission.disposal_altitude_m or 0.0
-        asked.append(
+        rules.append(
             f"{counted(towed, 'target')} to be towed down to {number(altitude_m / 1e3, 1)} km"
         )
     if instance.mission.service_s is not None:
-        asked.append(f"service takes {number(instance.mission.service_s, 1)} s")
+        rules.append(f"service takes {number(instance.mission.service_s, 1)} s")
     if instance.objective.cost == "duration":
-        asked.append("of plans that collect as much the one that ends first is best")
+        rules.append("of plans that collect as much the one that ends first is best")
     if instance.objective.cost == "expense":
-        asked.append("of plans that collect as much the one of the least expense is best")
+        rules.append("of plans that collect as much the one of the least expense is best")
     if instance.objective.time_m_s_per_day is not None:
         price = number(instance.objective.time_m_s_per_day, 3)
-        asked.append(f"each day of a chaser that is used costs {price} m/s")
+        rules.append(f"each day of a chaser that is used costs {price} m/s")
     apart_s = instance.mission.launch_separation_s
     if apart_s is not None:
-        asked.append(f"launches follow one another, {in_days(apart_s)} apart at least")
+        rules.append(f"launches follow one another, {in_days(apart_s)} apart at least")
     if instance.mission.mission_separation_s is not None:
         rest = in_days(instance.mission.mission_separation_s)
-        asked.append(f"a mission ends {rest} or more before the next is launched")
+        rules.append(f"a mission ends {rest} or more before the next is launched")
     if instance.transfer.max_leg_s is not None:
         most = in_days(instance.transfer.max_leg_s)
-        asked.append(f"from one arrival to the next at most {most} pass")
+        rules.append(f"from one arrival to the next at most {most} pass")
     for station in instance.stations:
         if station.max_refuellings is not None:
-            asked.append(f"{station.name} refuels {counted(station.max_refuellings, 'time')}")
+            rules.append(f"{station.name} refuels {counted(station.max_refuellings, 'time')}")
         if station.max_propellant_kg is not None:
-            asked.append(f"{station.name} has {number(station.max_propellant_kg, 1)} kg to refuel")
-    return asked
+            rules.append(f"{station.name} has {number(station.max_propellant_kg, 1)} kg to refuel")
+    return rules
 
 
-def _asked_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
+def _rules_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
     """Unusual requirements of one chaser, named if there are several."""
     who, it = (chaser.name, chaser.name) if several(instance) else ("the chaser", "it")
     since, until = chaser.available_s

@@ -2,12 +2,78 @@
 
 from __future__ import annotations
 
+from ...common.wording import shortened
+from ...plan.phases import COLOURS, LABELS
 from ...plan.plan import Plan
 from ...plan.routes import routes_of, several
 from ...problem.instance import Instance
-from . import controls
 from .tables import table
 from .text import escape
+
+LONGEST_OPTION = 18
+"""Length beyond which names are cut in the list of legs, to fit a phone."""
+
+SPEEDS = {
+    1: "×1",
+    10: "×10",
+    60: "1 min/s",
+    600: "10 min/s",
+    3600: "1 h/s",
+    21600: "6 h/s",
+    86400: "1 d/s",
+    1000000: "×10⁶",
+}
+"""How fast time may be played: seconds of the mission a second. The page begins with the slowest
+that plays all of it within twenty minutes."""
+
+
+def phases(shown: list[str]) -> str:
+    """The legend of all charts: a button per phase that hides and shows it."""
+    return "".join(
+        f'<button type="button" class="phase" aria-pressed="true" data-phase="{phase}">'
+        f'<i style="background:{COLOURS[phase]}"></i>{LABELS[phase]}</button>'
+        for phase in shown
+    )
+
+
+def leg_options(plan: Plan) -> str:
+    """Entries of the list of legs."""
+    legs = plan.legs
+    short = shortened((n for leg in legs for n in (leg.origin, leg.destination)), LONGEST_OPTION)
+    options = "".join(
+        f'<option value="{at}">{at}: {escape(short[leg.origin])} → '
+        f"{escape(short[leg.destination])}</option>"
+        for at, leg in enumerate(legs, start=1)
+    )
+    return f'<option value="0">the whole mission</option>{options}'
+
+
+def views(instance: Instance) -> str:
+    """Choice of a chaser that the view of the orbits follows."""
+    options = "".join(
+        f'<option value="{at}">follow {escape(chaser.name)}</option>'
+        for at, chaser in enumerate(instance.chasers)
+    )
+    return (
+        '<div class="controls views"><label>View <select id="view">'
+        f'<option value="">all orbits</option>{options}</select></label>'
+        "<span>Drag or arrow keys turn it; pinch, scroll or + and − come nearer.</span></div>\n"
+    )
+
+
+def timebar() -> str:
+    """The time that is shown: a slider, a button that plays it, how fast, and what it comes to."""
+    speeds = "".join(f'<option value="{speed}">{said}</option>' for speed, said in SPEEDS.items())
+    return (
+        '<div class="timebar" role="group" aria-label="Time">'
+        '<button type="button" id="play" aria-label="play">▶</button>'
+        '<input type="range" id="time" min="0" max="1" step="any" value="0" '
+        'aria-label="time since the epoch" aria-keyshortcuts="Space + -">'
+        f'<select id="speed" aria-label="how fast time is played, a second">{speeds}</select>'
+        # An output speaks whenever it changes, which it does many times a second.
+        '<output for="time" aria-live="off"><b id="now"></b> <span id="then"></span> '
+        '<span id="doing"></span></output><p class="unseen" id="spoken" role="status"></p></div>'
+    )
 
 
 def path_of(instance: Instance) -> str:
@@ -28,7 +94,7 @@ def flight(instance: Instance, plan: Plan) -> str:
         f"<p>To scale, in the inertial frame of the elements: {bodies}, and the arcs that {flies}, "
         "at most one revolution of each. Marks and the Earth are as they are at the time of the "
         "slider, with day, night and, in orange, the line between them.</p>\n"
-        f"{controls.views(instance)}"
+        f"{views(instance)}"
         '<div class="chart tall" id="orbits"></div>\n</section>\n'
         f"{_ground(instance, plan)}\n{_closeup()}\n"
         f"<section>\n<h2>Altitude</h2>\n<p>{_altitude_note(instance)}</p>\n"
@@ -46,7 +112,7 @@ def _thrust(instance: Instance, plan: Plan) -> str:
         "orbits and tows, of each at most one revolution, and along arcs of thrust the windows in "
         "which it is on, shadow or not, as they turn with the node. Marks and the Earth are as "
         "they are at the time of the slider, with day, night and, in orange, the line between them."
-        f"{missing}</p>\n{controls.views(instance)}"
+        f"{missing}</p>\n{views(instance)}"
         '<div class="chart tall" id="orbits"></div>\n</section>\n'
         f"{_ground(instance, plan)}\n"
         f"<section>\n<h2>Altitude</h2>\n<p>Between its arcs of thrust a leg is on its drift "

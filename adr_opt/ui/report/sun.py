@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from datetime import UTC, datetime
 from typing import NamedTuple
 
 from ...common.constants import DAY_S
@@ -17,7 +18,77 @@ from ...kernels.orbits.sunlight import (
 )
 from ...problem.frame import OF_DATE
 from ...problem.instance import Instance
-from .greenwich import CENTURY_DAYS, J2000
+
+TURN_S = 86400.0
+"""Sidereal seconds per turn."""
+
+CENTURY_DAYS = 36525.0
+
+TURNS_MORE = 0.00273781191135448
+"""Excess rotation of the Earth against the stars per day of UT1, in turns."""
+
+J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
+
+
+def sidereal_angle_rad(time: datetime) -> float:
+    """Greenwich mean sidereal time of 1982.
+
+    It counts from the mean equinox of date, as elements of TLEs do. UTC is taken for UT1, from
+    which it differs by less than a second of time, 0.004°.
+
+    Parameters
+    ----------
+    time : datetime
+        With a time zone.
+
+    Returns
+    -------
+    float
+        From 0 to 2π [rad].
+
+    Notes
+    -----
+    S. Aoki and others, The new definition of universal time, Astronomy and Astrophysics 105 (1982),
+    359–361.
+    """
+    since = (time.astimezone(UTC) - J2000).total_seconds()
+    centuries = since / DAY_S / CENTURY_DAYS
+    seconds = (
+        67310.54841
+        + since
+        + centuries * (8640184.812866 + centuries * (0.093104 - 6.2e-6 * centuries))
+    )
+    return 2.0 * math.pi * math.fmod(math.fmod(seconds, TURN_S) + TURN_S, TURN_S) / TURN_S
+
+
+def earth_rotation_angle_rad(time: datetime) -> float:
+    """Earth rotation angle in axes independent of the equinox, those of GCRF, from 0 to 2π.
+
+    In EME2000 it is the same to a hundred-thousandth of a degree, and less than the sidereal one by
+    what the equinox has moved since 2000, a third of a degree in 2026 (IERS conventions of 2010,
+    equation 5.15).
+    """
+    days = (time.astimezone(UTC) - J2000).total_seconds() / DAY_S
+    turns = math.fmod(days, 1.0) + 0.7790572732640 + TURNS_MORE * days
+    return 2.0 * math.pi * (turns % 1.0)
+
+
+def greenwich(instance: Instance) -> tuple[float, float]:
+    """Angle of Greenwich at the epoch [rad], and its rate [rad/s].
+
+    Counted from the first axis of the frame that the instance names, and from the equinox of date
+    where it names none.
+    """
+    frame = instance.frame
+    if frame is None or frame.name in OF_DATE:
+        return sidereal_angle_rad(instance.epoch), sidereal_rate_rad_s()
+    return earth_rotation_angle_rad(instance.epoch), 2.0 * math.pi / DAY_S * (1.0 + TURNS_MORE)
+
+
+def sidereal_rate_rad_s() -> float:
+    """Rate of Greenwich against the equinox of date [rad/s]."""
+    return 2.0 * math.pi / DAY_S * (1.0 + 8640184.812866 / (CENTURY_DAYS * DAY_S))
+
 
 PRECESSION_RAD_S = math.radians(5029.0966 / 3600.0) / (CENTURY_DAYS * DAY_S)
 """Motion of the equinox along the ecliptic: J. H. Lieske and others, Expressions for the precession

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
 from ...common.constants import DAY_S, EARTH_RADIUS_M, SLACK_S
 from ...plan.cargo import carries
@@ -10,10 +11,11 @@ from ...plan.expense import carried_kg, expense_of
 from ...plan.palette import REASONS, chaser_colours
 from ...plan.plan import Leg, Plan
 from ...plan.refined_plan import RefinedPlan
-from ...plan.routes import by_tank, owners, routes_of
+from ...plan.routes import Flown, by_tank, owners, routes_of
 from ...problem.bodies import Target
 from ...problem.chasers import AtStation, Chaser
 from ...problem.instance import Instance
+from ...problem.orbit import Orbit
 from ..plot.traffic import also_there, stays
 from .text import LONG_S, NOTHING, clock, escape, fixed, number, span
 
@@ -21,6 +23,9 @@ LONG_ROUTE = 30
 
 Cell = tuple[str, str]
 """A class, "n" for numbers, and HTML."""
+
+Column = tuple[str, str, Callable[..., str | Cell]]
+"""Heading, class, and the HTML of the cell, or the cell, from what a row is of."""
 
 REASON_TITLES = {
     "no-transfer": "no transfer",
@@ -60,6 +65,34 @@ def row(cells: Iterable[Cell], about: str = "") -> str:
     return f"<tr{about and f' {about}'}>{inside}</tr>"
 
 
+def table_of(
+    caption: str,
+    columns: Iterable[Column | bool],
+    items: Iterable[tuple[Any, ...]],
+    about: Callable[..., str] = lambda *item: "",
+) -> str:
+    """A table by its columns.
+
+    Parameters
+    ----------
+    caption : str
+        As of :func:`table`.
+    columns : iterable of Column
+        Or False for a column that is left out.
+    items : iterable of tuple
+        For each row the arguments of what its columns say.
+    about : callable
+        Attributes of a row.
+    """
+    shown = [column for column in columns if not isinstance(column, bool)]
+    rows = []
+    for item in items:
+        said = [(kind, tell(*item)) for _, kind, tell in shown]
+        cells = [cell if isinstance(cell, tuple) else (kind, cell) for kind, cell in said]
+        rows.append(row(cells, about(*item)))
+    return table(caption, [(title, kind) for title, kind, _ in shown], rows)
+
+
 def route_cell(origin: str, destination: str) -> Cell:
     """Origin and destination of a leg as a cell, which may wrap if the names are long."""
     kind = "name" if len(origin) + len(destination) > LONG_ROUTE else ""
@@ -85,52 +118,44 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     def told(duration_s: float) -> str:
         return fixed(duration_s / DAY_S, 2) if in_days else span(duration_s)
 
-    rows = []
-    for at, leg in enumerate(plan.legs, start=1):
-        refuels = leg.destination in instance.station_names
-        cells = (
-            ("n", f'<button type="button" class="leg">{at}</button>'),
-            *([("", escape(whose[at]))] if whose else []),
-            route_cell(leg.origin, leg.destination),
-            ("n", clock(leg.ready_s)),
-            *([("", leg.kind)] if drifts else []),
-            ("n", told(leg.departure_s - leg.ready_s)),
-            ("n", clock(leg.departure_s)),
-            ("n", str(leg.phasing_revolutions) if leg.traits.counts_laps else NOTHING),
-            ("n", fixed(leg.delta_v_m_s, 1)),
-            *([("n", _burned(leg))] if drifts else []),
-            *([("n", fixed(flown[at], 1) if at in flown else NOTHING)] if refined else []),
-            ("n", told(leg.arrival_s - leg.departure_s)),
-            ("n", clock(leg.arrival_s)),
-            ("n", clock(leg.end_s)),
-            *([("n", _towing(leg))] if towed else []),
-            ("n", fixed(leg.delta_v_left_m_s, 1)),
-            *([("n", _kg(leg.mass_kg))] if weighed else []),
-            ("n", "refuels" if refuels else _prize(targets.get(leg.destination), leg)),
-        )
-        rows.append(row(cells, f'data-leg="{at}"{" class=refuels" if refuels else ""}'))
+    def refuels(leg: Leg) -> bool:
+        return leg.destination in instance.station_names
+
+    def prize(leg: Leg) -> str:
+        return "refuels" if refuels(leg) else _prize(targets.get(leg.destination), leg)
+
     unit = "d" if in_days else "h"
-    headings = (
-        ("leg", "n"),
-        *([("chaser", "")] if whose else []),
-        ("from → to", ""),
-        ("ready", "n"),
-        *([("kind", "")] if drifts else []),
-        (f"wait {unit}", "n"),
-        ("departure", "n"),
-        ("laps", "n"),
-        ("ΔV m/s", "n"),
-        *([("burns m/s", "n")] if drifts else []),
-        *([("refined m/s", "n")] if refined else []),
-        (f"flight {unit}", "n"),
-        ("arrival", "n"),
-        ("end", "n"),
-        *([("tow until, m/s", "n")] if towed else []),
-        ("ΔV left m/s", "n"),
-        *([("mass kg", "n")] if weighed else []),
-        ("prize", "n"),
+    columns: list[Column | bool] = [
+        ("leg", "n", lambda at, leg: f'<button type="button" class="leg">{at}</button>'),
+        bool(whose) and ("chaser", "", lambda at, leg: escape(whose[at])),
+        ("from → to", "", lambda at, leg: route_cell(leg.origin, leg.destination)),
+        ("ready", "n", lambda at, leg: clock(leg.ready_s)),
+        drifts and ("kind", "", lambda at, leg: leg.kind),
+        (f"wait {unit}", "n", lambda at, leg: told(leg.departure_s - leg.ready_s)),
+        ("departure", "n", lambda at, leg: clock(leg.departure_s)),
+        ("laps", "n", lambda at, leg: _laps(leg)),
+        ("ΔV m/s", "n", lambda at, leg: fixed(leg.delta_v_m_s, 1)),
+        drifts and ("burns m/s", "n", lambda at, leg: _burned(leg)),
+        refined is not None
+        and ("refined m/s", "n", lambda at, leg: fixed(flown[at], 1) if at in flown else NOTHING),
+        (f"flight {unit}", "n", lambda at, leg: told(leg.arrival_s - leg.departure_s)),
+        ("arrival", "n", lambda at, leg: clock(leg.arrival_s)),
+        ("end", "n", lambda at, leg: clock(leg.end_s)),
+        towed and ("tow until, m/s", "n", lambda at, leg: _towing(leg)),
+        ("ΔV left m/s", "n", lambda at, leg: fixed(leg.delta_v_left_m_s, 1)),
+        weighed and ("mass kg", "n", lambda at, leg: _kg(leg.mass_kg)),
+        ("prize", "n", lambda at, leg: prize(leg)),
+    ]
+    return table_of(
+        "Legs",
+        columns,
+        enumerate(plan.legs, start=1),
+        lambda at, leg: f'data-leg="{at}"{" class=refuels" if refuels(leg) else ""}',
     )
-    return table("Legs", headings, rows)
+
+
+def _laps(leg: Leg) -> str:
+    return str(leg.phasing_revolutions) if leg.traits.counts_laps else NOTHING
 
 
 def _towing(leg: Leg) -> str:
@@ -145,42 +170,37 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
     burned: dict[str | None, float] = {}
     for leg in () if refined is None else refined.legs:
         burned[leg.chaser] = burned.get(leg.chaser, 0.0) + leg.flown_delta_v_m_s + leg.removal_m_s
-    colours, rows = chaser_colours(instance), []
+    colours = chaser_colours(instance)
     times = zip(instance.chasers, instance.available_s, strict=True)
     since = {chaser.name: begin for chaser, (begin, _) in times}
-    for flown in routes_of(instance, plan):
-        name, tank = flown.chaser.name, flown.aboard(instance)[0].left_m_s
-        refuellings = flown.refuellings(instance)
-        used = [
-            fixed(sum(leg.spent_m_s for leg in of_tank), 1)
-            for of_tank in by_tank([leg for _, leg in flown.legs], instance.station_names)
-        ]
-        cells = (
-            ("", f'<i class="dot" style="background:{colours[name]}"></i><b>{escape(name)}</b>'),
-            ("", escape(_where(flown.chaser, since[flown.chaser.name]))),
-            ("n", str(len(flown.legs) - refuellings)),
-            *([("n", str(refuellings))] if instance.stations else []),
-            ("n", fixed(flown.delta_v_m_s, 1)),
-            *([("n", fixed(burned.get(name, 0.0), 1))] if refined else []),
-            ("n", number(tank, 1)),
-            ("n", " + ".join(used) or NOTHING),
-            ("n", clock(flown.legs[0][1].departure_s) if flown.legs else NOTHING),
-            ("n", clock(flown.end_s) if flown.legs else NOTHING),
-        )
-        rows.append(row(cells))
-    headings = (
-        ("chaser", ""),
-        ("starts", ""),
-        ("targets", "n"),
-        *([("refuellings", "n")] if instance.stations else []),
-        ("ΔV m/s", "n"),
-        *([("refined m/s", "n")] if refined else []),
-        ("tank m/s", "n"),
-        ("tank by tank m/s", "n"),
-        ("leaves", "n"),
-        ("done", "n"),
-    )
-    return table("Chasers", headings, rows)
+
+    def dotted(name: str) -> str:
+        return f'<i class="dot" style="background:{colours[name]}"></i><b>{escape(name)}</b>'
+
+    def tanks(flown: Flown) -> str:
+        by_tanks = by_tank([leg for _, leg in flown.legs], instance.station_names)
+        return " + ".join(fixed(sum(leg.spent_m_s for leg in legs), 1) for legs in by_tanks)
+
+    columns: list[Column | bool] = [
+        ("chaser", "", lambda name, flown: dotted(name)),
+        ("starts", "", lambda name, flown: escape(_where(flown.chaser, since[name]))),
+        ("targets", "n", lambda name, flown: str(len(flown.legs) - flown.refuellings(instance))),
+        bool(instance.stations)
+        and ("refuellings", "n", lambda name, flown: str(flown.refuellings(instance))),
+        ("ΔV m/s", "n", lambda name, flown: fixed(flown.delta_v_m_s, 1)),
+        refined is not None
+        and ("refined m/s", "n", lambda name, flown: fixed(burned.get(name, 0.0), 1)),
+        ("tank m/s", "n", lambda name, flown: number(flown.aboard(instance)[0].left_m_s, 1)),
+        ("tank by tank m/s", "n", lambda name, flown: tanks(flown) or NOTHING),
+        (
+            "leaves",
+            "n",
+            lambda name, flown: clock(flown.legs[0][1].departure_s) if flown.legs else NOTHING,
+        ),
+        ("done", "n", lambda name, flown: clock(flown.end_s) if flown.legs else NOTHING),
+    ]
+    routes = routes_of(instance, plan)
+    return table_of("Chasers", columns, ((flown.chaser.name, flown) for flown in routes))
 
 
 def loads(instance: Instance, plan: Plan) -> str:
@@ -190,33 +210,22 @@ def loads(instance: Instance, plan: Plan) -> str:
     )
     if not (carries(instance) or by_expense):
         return ""
+
+    def numbers(flown: Flown) -> Iterator[str]:
+        load = flown.carried(instance)
+        yield from (_kg(load.mass_kg), str(load.kits), _kg(load.propellant_kg))
+        yield from map(_kg, (load.used_kg, load.left_kg, load.end_mass_kg))
+        if by_expense:
+            yield _kg(carried_kg(instance, flown.chaser, flown.spent))
+            yield number(expense_of(instance, flown.chaser, flown.spent), 3)
+
     rows = []
     for flown in routes_of(instance, plan):
-        load, flies = flown.carried(instance), bool(flown.legs)
-        numbers: tuple[str, ...] = (
-            _kg(load.mass_kg),
-            str(load.kits),
-            _kg(load.propellant_kg),
-            _kg(load.used_kg),
-            _kg(load.left_kg),
-            _kg(load.end_mass_kg),
-        )
-        if by_expense:
-            least = _kg(carried_kg(instance, flown.chaser, flown.spent))
-            expense = number(expense_of(instance, flown.chaser, flown.spent), 3)
-            numbers = (*numbers, least, expense)
-        name = f"<b>{escape(flown.chaser.name)}</b>"
-        rows.append(row([("", name), *(("n", text if flies else NOTHING) for text in numbers)]))
-    headings = (
-        ("chaser", ""),
-        ("mass at the start kg", "n"),
-        ("kits", "n"),
-        ("propellant kg", "n"),
-        ("used kg", "n"),
-        ("left kg", "n"),
-        ("mass at the end kg", "n"),
-        *([("least aboard kg", "n"), ("expense", "n")] if by_expense else []),
-    )
+        cells = [("n", text if flown.legs else NOTHING) for text in numbers(flown)]
+        rows.append(row([("", f"<b>{escape(flown.chaser.name)}</b>"), *cells]))
+    titles = ["mass at the start kg", "kits", "propellant kg", "used kg", "left kg"]
+    titles += ["mass at the end kg", *(["least aboard kg", "expense"] if by_expense else [])]
+    headings = [("chaser", ""), *((title, "n") for title in titles)]
     return table("What chasers carry", headings, rows)
 
 
@@ -231,29 +240,26 @@ def _kg(mass_kg: float | None) -> str:
 def traffic(instance: Instance, plan: Plan) -> str:
     """One row per stay of a chaser at a station, by station and time."""
     every = stays(instance, plan)
-    rows = [
-        row(
-            (
-                ("", f"<b>{escape(stay.station)}</b>"),
-                ("", escape(stay.chaser)),
-                ("n", "starts here" if stay.refuelled_s is None else clock(stay.since_s)),
-                ("n", NOTHING if stay.refuelled_s is None else clock(stay.refuelled_s)),
-                ("n", clock(stay.until_s)),
-                ("", escape(", ".join(also_there(stay, every))) or NOTHING),
-            )
-        )
-        for stay in every
-        if stay.leg
+    columns: list[Column] = [
+        ("station", "", lambda stay: f"<b>{escape(stay.station)}</b>"),
+        ("chaser", "", lambda stay: escape(stay.chaser)),
+        (
+            "docks",
+            "n",
+            lambda stay: "starts here" if stay.refuelled_s is None else clock(stay.since_s),
+        ),
+        (
+            "refuelled",
+            "n",
+            lambda stay: NOTHING if stay.refuelled_s is None else clock(stay.refuelled_s),
+        ),
+        ("leaves", "n", lambda stay: clock(stay.until_s)),
+        ("also there", "", lambda stay: escape(", ".join(also_there(stay, every))) or NOTHING),
     ]
-    headings = (
-        ("station", ""),
-        ("chaser", ""),
-        ("docks", "n"),
-        ("refuelled", "n"),
-        ("leaves", "n"),
-        ("also there", ""),
-    )
-    return table("Station traffic", headings, rows) if rows else "<p>No chaser is at a station.</p>"
+    shown = [(stay,) for stay in every if stay.leg]
+    if not shown:
+        return "<p>No chaser is at a station.</p>"
+    return table_of("Station traffic", columns, shown)
 
 
 def _where(chaser: Chaser, since: float) -> str:
@@ -273,27 +279,28 @@ def unvisited(instance: Instance, plan: Plan) -> str:
     """One row per target left out, by reason."""
     bodies = {target.name: target for target in instance.targets}
     order = list(REASONS)
-    rows = []
-    for entry in sorted(plan.unvisited, key=lambda entry: order.index(entry.reason)):
-        target = bodies.get(entry.target)
-        orbit, prize = ("", "", ""), "" if target is None else number(target.greatest_prize, 3)
-        if target is not None and target.orbit is not None:
-            orbit = (
-                fixed((target.orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1000.0, 1),
-                fixed(target.orbit.inclination_deg, 2),
-                fixed(target.orbit.raan_deg, 2),
-            )
-        words = ("", f"<b>{escape(entry.target)}</b>"), ("", REASON_TITLES[entry.reason])
-        rows.append(row((*words, *(("n", text) for text in (*orbit, prize)))))
-    headings = (
-        ("target", ""),
-        ("reason", ""),
-        ("altitude km", "n"),
-        ("inclination °", "n"),
-        ("RAAN °", "n"),
-        ("prize", "n"),
-    )
-    return table("Targets not visited", headings, rows)
+
+    def orbit(target: Target | None, tell: Callable[[Orbit], str]) -> str:
+        return "" if target is None or target.orbit is None else tell(target.orbit)
+
+    def altitude(of: Orbit) -> str:
+        return fixed((of.semi_major_axis_m - EARTH_RADIUS_M) / 1000.0, 1)
+
+    columns: list[Column] = [
+        ("target", "", lambda entry, target: f"<b>{escape(entry.target)}</b>"),
+        ("reason", "", lambda entry, target: REASON_TITLES[entry.reason]),
+        ("altitude km", "n", lambda entry, target: orbit(target, altitude)),
+        (
+            "inclination °",
+            "n",
+            lambda entry, target: orbit(target, lambda of: fixed(of.inclination_deg, 2)),
+        ),
+        ("RAAN °", "n", lambda entry, target: orbit(target, lambda of: fixed(of.raan_deg, 2))),
+        ("prize", "n", lambda entry, target: number(target.greatest_prize, 3) if target else ""),
+    ]
+    left_out = sorted(plan.unvisited, key=lambda entry: order.index(entry.reason))
+    items = ((entry, bodies.get(entry.target)) for entry in left_out)
+    return table_of("Targets not visited", columns, items)
 
 
 def reasons(plan: Plan) -> str:

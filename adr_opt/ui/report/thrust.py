@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 from ...common.constants import DAY_S
-from ...plan.plan import Leg, Plan
+from ...plan.plan import Leg, LowThrustArc, Plan
 from ...plan.routes import Flown, routes_of
 from ...problem.instance import Instance
 from ..plot.chart import KM_M
 from ..plot.strands import DrawnArc
-from .tables import route_cell, row, table
+from .tables import Column, route_cell, table_of
 from .text import NOTHING, escape, fixed, number
 
 NOTE = (
@@ -72,75 +73,70 @@ def section(instance: Instance, plan: Plan, drawn: tuple[DrawnArc, ...]) -> str:
     for flown in routes_of(instance, plan):
         if flown.chaser.thrust_n is not None:
             times = thrust_times(instance, flown)
-            chasers.append(_of_chaser(flown, times))
-            legs += [_of_leg(flown, at, leg, times[at], heights.get(at)) for at, leg in flown.legs]
-    by_chaser = (
-        ("chaser", ""),
-        ("thrust N", "n"),
-        ("arcs d", "n"),
-        ("thrust on d", "n"),
-        ("tows d", "n"),
-        ("tows, thrust on d", "n"),
-        ("flies d", "n"),
-    )
-    by_leg = (
-        ("leg", "n"),
-        ("chaser", ""),
-        ("from → to", ""),
-        ("first arc d", "n"),
-        ("drift d", "n"),
-        ("at km", "n"),
-        ("second arc d", "n"),
-        ("windows ±°", "n"),
-        ("thrust on d", "n"),
-        ("tow d", "n"),
-        ("tow, thrust on d", "n"),
-    )
+            sums = zip(NO_THRUST, *times.values(), strict=True)
+            chasers.append((flown, ThrustTimes(*map(math.fsum, sums))))
+            legs += [(at, flown.chaser.name, leg, times[at]) for at, leg in flown.legs]
+
+    def flies_s(flown: Flown) -> float:
+        return flown.end_s - (flown.legs[0][1].ready_s if flown.legs else 0.0)
+
+    def of_arcs(leg: Leg, tell: Callable[[LowThrustArc, LowThrustArc], str]) -> str:
+        arcs = leg.manoeuvres or ()
+        return tell(*arcs) if len(arcs) == 2 else NOTHING
+
+    def arc(leg: Leg, which: int) -> str:
+        return of_arcs(leg, lambda *arcs: _days(arcs[which].end_s - arcs[which].start_s))
+
+    def height(at: int, leg: Leg) -> str:
+        height_m = heights.get(at)
+        shown = NOTHING if height_m is None else fixed(height_m / KM_M, 1)
+        return of_arcs(leg, lambda first, second: shown)
+
+    by_chaser: list[Column] = [
+        ("chaser", "", lambda flown, _: f"<b>{escape(flown.chaser.name)}</b>"),
+        ("thrust N", "n", lambda flown, _: number(flown.chaser.thrust_n, 3)),
+        ("arcs d", "n", lambda _, times: _days(times.arcs_s)),
+        ("thrust on d", "n", lambda _, times: _days(times.leg_on_s)),
+        ("tows d", "n", lambda _, times: _days(times.tow_s)),
+        ("tows, thrust on d", "n", lambda _, times: _days(times.tow_on_s)),
+        ("flies d", "n", lambda flown, _: _days(flies_s(flown))),
+    ]
+    by_leg: list[Column] = [
+        ("leg", "n", lambda at, name, leg, times: str(at)),
+        ("chaser", "", lambda at, name, leg, times: escape(name)),
+        ("from → to", "", lambda at, name, leg, times: route_cell(leg.origin, leg.destination)),
+        ("first arc d", "n", lambda at, name, leg, times: arc(leg, 0)),
+        (
+            "drift d",
+            "n",
+            lambda at, name, leg, times: of_arcs(
+                leg, lambda first, second: _days(second.start_s - first.end_s)
+            ),
+        ),
+        ("at km", "n", lambda at, name, leg, times: height(at, leg)),
+        ("second arc d", "n", lambda at, name, leg, times: arc(leg, 1)),
+        (
+            "windows ±°",
+            "n",
+            lambda at, name, leg, times: of_arcs(leg, lambda first, _: number(first.window_deg)),
+        ),
+        (
+            "thrust on d",
+            "n",
+            lambda at, name, leg, times: of_arcs(leg, lambda *arcs: _days(times.leg_on_s)),
+        ),
+        ("tow d", "n", lambda at, name, leg, times: _days(times.tow_s) if leg.tow else NOTHING),
+        (
+            "tow, thrust on d",
+            "n",
+            lambda at, name, leg, times: _days(times.tow_on_s) if leg.tow else NOTHING,
+        ),
+    ]
     return (
         f"<section>\n<h2>Thrust</h2>\n<p>{NOTE}</p>\n"
-        f"{table('Times of thrust of chasers', by_chaser, chasers)}\n<h3>By leg</h3>\n"
-        f"{table('Times of thrust of legs', by_leg, legs)}\n</section>"
-    )
-
-
-def _of_chaser(flown: Flown, times: dict[int, ThrustTimes]) -> str:
-    arcs_s, tows_s, legs_on_s, tows_on_s = (
-        math.fsum(column) for column in zip(NO_THRUST, *times.values(), strict=True)
-    )
-    since_s = flown.legs[0][1].ready_s if flown.legs else 0.0
-    return row(
-        [
-            ("", f"<b>{escape(flown.chaser.name)}</b>"),
-            ("n", number(flown.chaser.thrust_n or 0.0, 3)),
-            *(("n", _days(each)) for each in (arcs_s, legs_on_s, tows_s, tows_on_s)),
-            ("n", _days(flown.end_s - since_s)),
-        ]
-    )
-
-
-def _of_leg(flown: Flown, at: int, leg: Leg, times: ThrustTimes, height_m: float | None) -> str:
-    arcs = [NOTHING] * 4
-    windows = thrust_on = NOTHING
-    if leg.manoeuvres is not None and len(leg.manoeuvres) == 2:
-        first, second = leg.manoeuvres
-        arcs = [
-            _days(first.end_s - first.start_s),
-            _days(second.start_s - first.end_s),
-            NOTHING if height_m is None else fixed(height_m / KM_M, 1),
-            _days(second.end_s - second.start_s),
-        ]
-        windows, thrust_on = number(first.window_deg), _days(times.leg_on_s)
-    towed = [NOTHING] * 2
-    if leg.tow is not None:
-        towed = [_days(times.tow_s), _days(times.tow_on_s)]
-    return row(
-        [
-            ("n", str(at)),
-            ("", escape(flown.chaser.name)),
-            route_cell(leg.origin, leg.destination),
-            *(("n", text) for text in (*arcs, windows, thrust_on, *towed)),
-        ],
-        f'data-of="{at}"',
+        f"{table_of('Times of thrust of chasers', by_chaser, chasers)}\n<h3>By leg</h3>\n"
+        + table_of("Times of thrust of legs", by_leg, legs, lambda at, *_: f'data-of="{at}"')
+        + "\n</section>"
     )
 
 

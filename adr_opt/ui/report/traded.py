@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from ...analysis.trade.axes import KINDS
 from ...analysis.trade.frontier import Ending
@@ -12,10 +12,9 @@ from ...common.constants import DAY_S
 from ...common.wording import counted, status_words
 from ...plan.palette import CHASERS
 from ..plot.chart import Chart, ChartAxis, Line
-from ..plot.tradeoff import named, tradeoff_chart
+from ..plot.studies import named, tradeoff_chart
 from .charts import drawn
-from .plain import page, row, section
-from .tables import table
+from .plain import page, section, table_of
 from .text import NOTHING, fixed, number
 
 FRONTIER = "Least ΔV against the last day"
@@ -60,65 +59,62 @@ def traded_page(tradeoff: Tradeoff, endings: Sequence[Ending] = ()) -> str:
     return page("Trade-off", instance.name, under, parts)
 
 
-HEADINGS = ("ΔV m/s", "days", "prize", "bound", "gap", "status", "visits", "cost", "by", "s")
-
 VARIED = {"propellant": "kg", "thrust": "N", "isp": "Isp s"}
 """Headings of further columns, of what is varied besides."""
 
 
-def headings(tradeoff: Tradeoff) -> tuple[str, ...]:
-    """Headings of a table of points: of what is varied besides, and :data:`HEADINGS`."""
-    return (*(VARIED[kind] for kind in _varied(tradeoff)), *HEADINGS)
+def _gap(point: Point) -> str:
+    if not (math.isfinite(point.prize) and math.isfinite(point.upper_bound)):
+        return NOTHING
+    return f"{(point.upper_bound - point.prize) / (point.upper_bound or 1.0):.1%}"
 
 
-def cells(tradeoff: Tradeoff, point: Point) -> tuple[str, ...]:
-    """A point as texts, under :func:`headings`."""
-    return (*(number(point.value(kind), 4) for kind in _varied(tradeoff)), *_results(point))
+def _if_finite(value: float) -> str:
+    return number(value, 3) if math.isfinite(value) else NOTHING
 
 
-def _varied(tradeoff: Tradeoff) -> list[str]:
+POINT_COLUMNS: dict[str, Callable[[Point], str]] = {
+    "ΔV m/s": lambda point: number(point.delta_v_m_s, 3),
+    "days": lambda point: number(point.duration_s / DAY_S, 4),
+    "prize": lambda point: _if_finite(point.prize),
+    "bound": lambda point: _if_finite(point.upper_bound),
+    "gap": _gap,
+    "status": lambda point: status_words(point.status),
+    "visits": lambda point: str(point.visits),
+    "cost": lambda point: NOTHING if math.isnan(point.cost) else fixed(point.cost, 1),
+    "by": lambda point: ", ".join(point.methods) or "its neighbours",
+    "s": lambda point: fixed(point.runtime_s, 1),
+}
+"""What is told of a point, as texts."""
+
+
+def point_columns(tradeoff: Tradeoff) -> dict[str, Callable[[Point], str]]:
+    """Columns of a table of points: of what is varied besides, and :data:`POINT_COLUMNS`."""
     kinds = {axis.kind for axis in tradeoff.axes}
-    return [kind for kind in VARIED if kind in kinds]
 
+    def value(kind: str) -> Callable[[Point], str]:
+        return lambda point: number(point.value(kind), 4)
 
-def _results(point: Point) -> tuple[str, ...]:
-    there, bounded = math.isfinite(point.prize), math.isfinite(point.upper_bound)
-    gap = NOTHING
-    if there and bounded:
-        gap = f"{(point.upper_bound - point.prize) / (point.upper_bound or 1.0):.1%}"
-    return (
-        number(point.delta_v_m_s, 3),
-        number(point.duration_s / DAY_S, 4),
-        number(point.prize, 3) if there else NOTHING,
-        number(point.upper_bound, 3) if bounded else NOTHING,
-        gap,
-        status_words(point.status),
-        str(point.visits),
-        NOTHING if math.isnan(point.cost) else fixed(point.cost, 1),
-        ", ".join(point.methods) or "its neighbours",
-        fixed(point.runtime_s, 1),
-    )
+    varied = {title: value(kind) for kind, title in VARIED.items() if kind in kinds}
+    return varied | POINT_COLUMNS
 
 
 def _table(tradeoff: Tradeoff) -> str:
-    titles = headings(tradeoff)
-    kinds = ["" if title in ("status", "by") else "n" for title in titles]
-    rows = (row(zip(kinds, cells(tradeoff, point), strict=True)) for point in tradeoff.points)
-    return table("Points", zip(titles, kinds, strict=True), rows)
+    columns = [
+        (title, "" if title in ("status", "by") else "n", tell)
+        for title, tell in point_columns(tradeoff).items()
+    ]
+    return table_of("Points", columns, ((point,) for point in tradeoff.points))
 
 
-FRONTIER_HEADINGS = ("tank m/s", "prize", "last day", "ΔV m/s", "cost")
-
-
-def ending_cells(ending: Ending) -> tuple[str, ...]:
-    """A plan on the frontier as texts, under :data:`FRONTIER_HEADINGS`."""
-    return (
-        number(ending.tank_m_s, 3),
-        number(ending.prize, 3),
-        fixed(ending.last_s / DAY_S, 2),
-        fixed(ending.delta_v_m_s, 1),
-        fixed(ending.cost, 1),
-    )
+FRONTIER_COLUMNS: dict[str, Callable[[Ending], str]] = {
+    "tank m/s": lambda ending: number(ending.tank_m_s, 3),
+    "prize": lambda ending: number(ending.prize, 3),
+    "last day": lambda ending: fixed(ending.last_s / DAY_S, 2),
+    "ΔV m/s": lambda ending: fixed(ending.delta_v_m_s, 1),
+    "cost": lambda ending: fixed(ending.cost, 1),
+}
+"""What is told of a plan on the frontier, as texts."""
 
 
 def _frontier_chart(endings: Sequence[Ending]) -> str:
@@ -141,6 +137,5 @@ def _frontier_chart(endings: Sequence[Ending]) -> str:
 
 
 def _frontier_table(endings: Sequence[Ending]) -> str:
-    kinds = ("n",) * len(FRONTIER_HEADINGS)
-    rows = (row(zip(kinds, ending_cells(each), strict=True)) for each in endings)
-    return table(FRONTIER, zip(FRONTIER_HEADINGS, kinds, strict=True), rows)
+    columns = [(title, "n", tell) for title, tell in FRONTIER_COLUMNS.items()]
+    return table_of(FRONTIER, columns, ((ending,) for ending in endings))

@@ -9,12 +9,12 @@ import numpy as np
 
 from ...common.wording import counted
 from ...sources.worth import RemovalPrizes, RemovalWorth
-from ...sources.worth.reasons import figure
+from ...sources.worth.answer import figure
 from ...sources.worth.worth import CELL_DEG, CELL_KM, LEVELS, TILTS
-from ..plot.worth import worth_chart
+from ..plot.studies import worth_chart
 from . import tables
 from .charts import drawn
-from .plain import page, row, section
+from .plain import page, row, section, table_of
 from .tables import table
 from .text import escape, fixed, number
 
@@ -78,38 +78,29 @@ def worth_page(prizes: RemovalPrizes, told: Mapping[str, Any]) -> str:
 
 
 def _best(best: Iterable[Mapping[str, Any]]) -> str:
-    rows = [
-        tables.row(
-            (
-                ("", f"<b>{escape(each['name'])}</b>"),
-                ("n", number(each["prize"], 0)),
-                ("n", figure(each["worth_alone"])),
-                ("n", figure(each["floor"])),
-                ("name", f'<div style="min-width:36ch">{escape(each["reason"])}</div>'),
-            )
-        )
-        for each in best
+    columns: list[tables.Column] = [
+        ("object", "", lambda each: f"<b>{escape(each['name'])}</b>"),
+        ("prize", "n", lambda each: number(each["prize"], 0)),
+        ("alone", "n", lambda each: figure(each["worth_alone"])),
+        ("floor", "n", lambda each: figure(each["floor"])),
+        (
+            "reason",
+            "",
+            lambda each: ("name", f'<div style="min-width:36ch">{escape(each["reason"])}</div>'),
+        ),
     ]
-    headings = (("object", ""), ("prize", "n"), ("alone", "n"), ("floor", "n"), ("reason", ""))
-    return table("Most worth removing", headings, rows)
+    return tables.table_of("Most worth removing", columns, ((each,) for each in best))
 
 
 def _sets(sets: Iterable[Mapping[str, Any]]) -> str:
-    rows = [
-        row(
-            ("n", text)
-            for text in (
-                str(each["size"]),
-                figure(each["worth"]),
-                f"{fixed(100.0 * each['share'], 1)} %",
-                figure(each["sum_alone"]),
-                figure(each["sum_floors"]),
-            )
-        )
-        for each in sets
+    columns: list[tables.Column] = [
+        ("objects", "n", lambda each: str(each["size"])),
+        ("fragment-years avoided", "n", lambda each: figure(each["worth"])),
+        ("of all", "n", lambda each: f"{fixed(100.0 * each['share'], 1)} %"),
+        ("sum alone", "n", lambda each: figure(each["sum_alone"])),
+        ("sum of floors", "n", lambda each: figure(each["sum_floors"])),
     ]
-    headings = ("objects", "fragment-years avoided", "of all", "sum alone", "sum of floors")
-    return table("Removed as a set", [(title, "n") for title in headings], rows)
+    return table_of("Removed as a set", columns, ((each,) for each in sets))
 
 
 def _map(worth: RemovalWorth) -> str:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import gzip
+import json
+import math
 import secrets
 import threading
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
 from importlib import resources
 from typing import Any
 
@@ -24,13 +27,11 @@ from starlette.responses import (
 from starlette.routing import Route
 
 from ...common.errors import InputError
-from ..report import plain
+from ..report import page, plain
 from ..report.assets import asset
-from .desk import Desk
+from .backend import Backend
 from .drafts import read_edit
-from .events import told
 from .guard import UPLOAD, Guard, cookie_name
-from .reported import ShownReport
 from .requests import (
     ChooseRequest,
     JobRequest,
@@ -42,8 +43,104 @@ from .requests import (
     read_request,
 )
 from .session import EditingSession
-from .strict_json import to_json
 from .uploads import not_written, uploaded
+
+
+class ShownReport:
+    """Report of the plan that a session shows.
+
+    Parameters
+    ----------
+    session : EditingSession
+    """
+
+    def __init__(self, session: EditingSession) -> None:
+        self._session = session
+        self._made: tuple[int, str] | None = None
+
+    def text(self) -> str | None:
+        """The page; None without a plan.
+
+        Raises
+        ------
+        InputError
+            There can be none, as where plotly is not installed.
+        """
+        shown = self._session.shown()
+        if shown is None:
+            return None
+        number, instance, plan = shown
+        made = self._made
+        if made is None or made[0] != number:
+            made = self._made = number, page(instance, plan)
+        return made[1]
+
+
+def to_json(content: Any) -> str:
+    """JSON data as ASCII text, with null for each number that is not finite.
+
+    Parameters
+    ----------
+    content : JSON data
+    """
+    try:
+        return json.dumps(content, allow_nan=False)
+    except ValueError:
+        return json.dumps(_finite(content), allow_nan=False)
+
+
+def _finite(content: Any) -> Any:
+    if isinstance(content, float):
+        return content if math.isfinite(content) else None
+    if isinstance(content, dict):
+        return {name: _finite(value) for name, value in content.items()}
+    if isinstance(content, (list, tuple)):
+        return [_finite(value) for value in content]
+    return content
+
+
+PAUSE_S, BREATH_S = 0.2, 15.0
+"""Intervals between checks of the backend, and between keep-alive messages [s]."""
+
+
+async def event_stream(backend: Backend, closing: threading.Event) -> AsyncIterator[str]:
+    """Server-sent events: state, results and jobs after every change, and the planner's progress.
+
+    Parameters
+    ----------
+    backend : Backend
+    closing : Event
+        Ends it.
+    """
+    parts: tuple[tuple[str, Callable[[], int], Callable[[], Any]], ...] = (
+        ("state", lambda: backend.revision, backend.state),
+        ("results", lambda: backend.results_revision, backend.results),
+        ("jobs", lambda: backend.jobs_revision, backend.jobs),
+    )
+    revisions, last, silent_s = dict.fromkeys((name for name, *_ in parts), -1), "", 0.0
+    while not closing.is_set():
+        silent_s += PAUSE_S
+        # Looked at before the state: what the planner is done with is in the state that follows.
+        progress = to_json(backend.progress())
+        for name, revision, content in parts:
+            now = revision()
+            if now != revisions[name]:
+                revisions[name] = now
+                try:
+                    text = to_json(await run_in_threadpool(content))
+                    yield f"event: {name}\ndata: {text}\n\n"
+                except InputError as error:
+                    yield f"event: trouble\ndata: {to_json(str(error))}\n\n"
+                silent_s = 0.0
+        if progress != last:
+            last = progress
+            yield f"event: work\ndata: {progress}\n\n"
+            silent_s = 0.0
+        if silent_s >= BREATH_S:
+            yield ": still here\n\n"
+            silent_s = 0.0
+        await asyncio.sleep(PAUSE_S)
+
 
 PACKAGE = "adr_opt.ui.serve"
 """Where the files of the page are."""
@@ -60,7 +157,7 @@ FRAMED = "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
 
 
 def application(
-    desk: Desk,
+    backend: Backend,
     token: str,
     port: int,
     closing: threading.Event,
@@ -70,7 +167,7 @@ def application(
 
     Parameters
     ----------
-    desk : Desk
+    backend : Backend
     token : str
         Required for every request.
     port : int
@@ -79,7 +176,7 @@ def application(
     opened : callable
         Called when the page is asked for.
     """
-    session, shown = desk.session, ShownReport(desk.session)
+    session, shown = backend.session, ShownReport(backend.session)
     # Pages say which server they are of: one of another is refused, whatever its token.
     server = secrets.token_hex(8)
     text_of_page = asset("page.html", PACKAGE).replace("SERVER", server)
@@ -91,7 +188,7 @@ def application(
         return answer
 
     async def events(request: Request) -> Response:
-        return StreamingResponse(told(desk, closing), media_type="text/event-stream")
+        return StreamingResponse(event_stream(backend, closing), media_type="text/event-stream")
 
     async def report(request: Request) -> Response:
         text = await run_in_threadpool(_report, session, shown)
@@ -99,7 +196,7 @@ def application(
 
     async def exported(request: Request) -> Response:
         try:
-            path = await run_in_threadpool(desk.archive)
+            path = await run_in_threadpool(backend.archive)
         except InputError as error:
             return JSONResponse({"error": str(error)}, status_code=422)
         except OSError as error:
@@ -107,13 +204,13 @@ def application(
         return FileResponse(
             path,
             media_type="application/zip",
-            filename=f"{desk.name}.zip",
+            filename=f"{backend.name}.zip",
             background=BackgroundTask(path.unlink),
         )
 
     async def page_of_result(request: Request) -> Response:
         try:
-            text = await run_in_threadpool(desk.page, request.query_params.get("id", ""))
+            text = await run_in_threadpool(backend.page, request.query_params.get("id", ""))
         except InputError as error:
             return JSONResponse({"error": str(error)}, status_code=404)
         return HTMLResponse(text, headers={"Content-Security-Policy": FRAMED})
@@ -122,31 +219,31 @@ def application(
         routes=[
             Route("/", page),
             *_assets(),
-            _told("/choices", desk.choices),
-            _told("/state", desk.state),
-            _told("/objects", desk.objects),
-            _told("/forms", desk.forms),
-            _told("/jobs", desk.jobs),
-            _told("/results", desk.results),
+            _told("/choices", backend.choices),
+            _told("/state", backend.state),
+            _told("/objects", backend.objects),
+            _told("/forms", backend.forms),
+            _told("/jobs", backend.jobs),
+            _told("/results", backend.results),
             Route("/events", events),
             Route("/report", report),
             Route("/results/page", page_of_result),
-            _told_of("/results/points", desk.points),
+            _told_of("/results/points", backend.points),
             Route("/export", exported),
-            Route(UPLOAD, uploaded(desk), methods=["POST"]),
+            Route(UPLOAD, uploaded(backend), methods=["POST"]),
             _action(
-                "/files/remove", lambda text: desk.remove(read_request(RemoveRequest, text).file)
+                "/files/remove", lambda text: backend.remove(read_request(RemoveRequest, text).file)
             ),
             _action("/edit", lambda text: session.edit(read_edit(text))),
             _action("/undo", lambda text: session.undo()),
             _action("/redo", lambda text: session.redo()),
             _action("/plan", lambda text: session.plan(read_order(text))),
             _action("/stop", lambda text: session.stop()),
-            _action("/worth", lambda text: desk.worth(read_request(WorthRequest, text))),
-            _action("/choose", lambda text: desk.choose(read_request(ChooseRequest, text))),
-            _action("/jobs", lambda text: desk.begin(read_request(JobRequest, text))),
-            _action("/jobs/stop", lambda text: desk.stop(read_request(StopRequest, text).job)),
-            _action("/show", lambda text: desk.show(read_request(ShowRequest, text))),
+            _action("/worth", lambda text: backend.worth(read_request(WorthRequest, text))),
+            _action("/choose", lambda text: backend.choose(read_request(ChooseRequest, text))),
+            _action("/jobs", lambda text: backend.begin(read_request(JobRequest, text))),
+            _action("/jobs/stop", lambda text: backend.stop(read_request(StopRequest, text).job)),
+            _action("/show", lambda text: backend.show(read_request(ShowRequest, text))),
         ],
         middleware=[Middleware(Guard, token=token, port=port, server=server)],
     )
@@ -223,10 +320,10 @@ def _report(session: EditingSession, shown: ShownReport) -> str:
         return _note("No report", str(error))
     if text is not None:
         return text
-    look = session.look()
-    if look.phase in ("done", "failed") and look.said:
-        failed = "Planning failed" if look.phase == "failed" else "No plan"
-        return _note(failed, f"{look.said}. Earlier plans are in the list of results.")
+    progress = session.progress()
+    if progress.phase in ("done", "failed") and progress.said:
+        failed = "Planning failed" if progress.phase == "failed" else "No plan"
+        return _note(failed, f"{progress.said}. Earlier plans are in the list of results.")
     return _note("No plan yet", "Press Plan, and the report comes here.")
 
 

@@ -111,12 +111,12 @@ class Guard:
         hosts = headers.getlist("host")
         if len(hosts) != 1 or hosts[0] not in self._hosts:
             return 403, "this is served to 127.0.0.1 only; open the address that was printed"
-        asked = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[-1]
-        if not self._knows(asked) and not self._knows(_cookie(headers, self._cookie)):
+        token = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[-1]
+        if not self._knows(token) and not self._knows(_cookie(headers, self._cookie)):
             return 403, "the token is missing or wrong; open the address that was printed"
         site, origin = headers.get("sec-fetch-site"), headers.get("origin")
         # Another port of this machine is the same site, and gets the cookie, but is not this page.
-        foreign = site in ("same-site", "cross-site") and not self._knows(asked)
+        foreign = site in ("same-site", "cross-site") and not self._knows(token)
         if foreign or origin not in (None, f"http://{hosts[0]}"):
             return 403, "another page asked for this; open the address that was printed"
         if headers.get(SERVER, self._server) != self._server:

@@ -17,7 +17,7 @@ from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...run.run_options import DEFAULT_METHOD
 from .children import end, started
-from .looks import Done, Found, Look, PlanningOrder, ignored
+from .planning import Done, Found, PlanningOrder, PlanningProgress, ignored
 from .project.private import passing, private_folder
 from .work import check_order
 
@@ -65,11 +65,11 @@ class PlannerProcess:
         self._process: subprocess.Popen[bytes] | None = None
         self._listener: threading.Thread | None = None
         self._orders: dict[int, _Order] = {}
-        self._look = Look()
+        self._look = PlanningProgress()
         self._count = 0
         self._closing = False
 
-    def look(self) -> Look:
+    def progress(self) -> PlanningProgress:
         """Progress of the last run."""
         return self._look
 
@@ -101,7 +101,7 @@ class PlannerProcess:
             process = self._start()
             self._count += 1
             self._orders[self._count] = _Order(instance, folder, process)
-            self._look = Look(self._count, "waiting", limit_s=order.time_limit_s)
+            self._look = PlanningProgress(self._count, "waiting", limit_s=order.time_limit_s)
             self._tell(
                 "begin",
                 instance=str(folder / "instance.json"),
@@ -178,8 +178,8 @@ class PlannerProcess:
             if not line.endswith(b"\n"):  # it has ended within a word
                 break
             told = loaded(line)
-            if told["kind"] == "look":
-                self._heard(process, before, told["look"])
+            if told["kind"] == "progress":
+                self._heard(process, before, told["progress"])
             elif told["kind"] == "found":
                 plan = None if told["plan"] is None else Plan.from_json(told["plan"])
                 self._pass_on(before + told["number"], plan)
@@ -210,13 +210,13 @@ class PlannerProcess:
             self._found(instance, plan)
 
     def _heard(self, process: subprocess.Popen[bytes], before: int, told: dict[str, Any]) -> None:
-        """Adopt a look, unless it is of a run before the last order."""
+        """Adopt a state of progress, unless it is of a run before the last order."""
         points = tuple((at, incumbent, bound) for at, incumbent, bound in told.pop("points"))
         with self._changed:
             number = int(told.pop("number")) + before
             current = self._process is process and number == self._count
             if current and told["phase"] != "idle":
-                self._look = Look(number=number, points=points, **told)
+                self._look = PlanningProgress(number=number, points=points, **told)
                 self._changed.notify_all()
             if told["phase"] in ("done", "failed"):  # and so are those before it
                 self._forget(process, number)

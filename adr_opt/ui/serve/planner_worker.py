@@ -18,7 +18,7 @@ from ...run import front
 from ...run.methods import PLANNERS
 from ...run.warm_up import PracticeKind
 from .children import leave, settle_in
-from .looks import PlannedRun, PlanningOrder
+from .planning import PlannedRun, PlanningOrder
 from .work import Work
 
 PRACTICE_S = 1.0
@@ -104,11 +104,11 @@ class PlannerWorker:
     def _look(self) -> None:
         last = None
         while True:
-            look = self._work.look()
-            if look != last:
-                last = look
+            progress = self._work.progress()
+            if progress != last:
+                last = progress
                 # Infinities are no JSON, but Python reads what it writes.
-                self._tell("look", look=asdict(look))
+                self._tell("progress", progress=asdict(progress))
             time.sleep(PAUSE_S)
 
     def _tell(self, kind: str, **content: Any) -> None:

@@ -9,7 +9,7 @@ from pydantic import Field, ValidationError
 from ...common.errors import InputError
 from ...common.records import Record
 from ...common.sentences import sentence
-from .looks import PlanningOrder
+from .planning import PlanningOrder
 from .project.record import Number
 
 MOST_CHOSEN = 2000

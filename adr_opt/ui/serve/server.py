@@ -2,19 +2,116 @@
 
 from __future__ import annotations
 
+import asyncio
+import html
 import logging
 import secrets
 import socket
 import threading
 from pathlib import Path
+from typing import Any
 
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from ...common.errors import InputError
 from .app import application
-from .connections import MOST_KNOWN, MOST_STRANGERS, connections
-from .desk import Desk
-from .launch import LaunchFile
+from .backend import Backend
+from .guard import WELCOME
+from .project.private import passing, private_file
+
+PAGE = (
+    '<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>adr-opt</title>'
+    '<meta name="referrer" content="no-referrer">'
+    '<meta http-equiv="refresh" content="0; url={url}"></html>\n'
+)
+
+
+class LaunchFile:
+    """A page that leads to an address, readable by its owner alone, until it is removed.
+
+    Parameters
+    ----------
+    folder : path
+        Readable by its owner alone.
+    url : str
+        The address, with its token.
+
+    Attributes
+    ----------
+    address : str
+        Of the file.
+    """
+
+    def __init__(self, folder: Path, url: str) -> None:
+        self._path = passing(folder, ".html")
+        with private_file(self._path) as file:
+            file.write(PAGE.format(url=html.escape(url)).encode())
+        self.address = self._path.as_uri()
+
+    def remove(self) -> None:
+        """Remove the file, which has been used or will not be."""
+        self._path.unlink(missing_ok=True)
+
+
+MOST_KNOWN = 64
+"""Maximum number of connections that have shown the token."""
+
+MOST_STRANGERS = 16
+"""Maximum number of connections that have not; the oldest of them makes room for the next."""
+
+PATIENCE_S = 5.0
+"""Longest wait for the token [s]."""
+
+
+class Strangers:
+    """Open connections that have not shown the token, the oldest first."""
+
+    def __init__(self) -> None:
+        self._waiting: dict[H11Protocol, asyncio.TimerHandle] = {}
+
+    def add(self, one: H11Protocol) -> None:
+        """Wait for the token of a new connection."""
+        self._waiting[one] = one.loop.call_later(PATIENCE_S, self._close, one)
+        if len(self._waiting) > MOST_STRANGERS:
+            self._close(next(iter(self._waiting)))
+
+    def forget(self, one: H11Protocol) -> None:
+        """Stop waiting: the connection is known, or has ended."""
+        timer = self._waiting.pop(one, None)
+        if timer is not None:
+            timer.cancel()
+
+    def _close(self, one: H11Protocol) -> None:
+        self.forget(one)
+        # Not counted from here on: known connections would be refused until its end is noticed.
+        one.connections.discard(one)
+        one.transport.abort()
+
+
+def connections() -> type[H11Protocol]:
+    """The protocol of a server, whose connections are strangers at first."""
+    strangers = Strangers()
+
+    class Connection(H11Protocol):
+        """A connection."""
+
+        def __init__(self, *given: Any, **named: Any) -> None:
+            super().__init__(*given, **named)
+            self.app_state = {**self.app_state, WELCOME: lambda: strangers.forget(self)}
+
+        def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+            """Begin as a stranger."""
+            super().connection_made(transport)
+            strangers.add(self)
+
+        def connection_lost(self, exc: Exception | None) -> None:
+            """End."""
+            strangers.forget(self)
+            super().connection_lost(exc)
+
+    return Connection
+
 
 HOST = "127.0.0.1"
 LAST_ANSWERS_S = 2
@@ -43,11 +140,11 @@ def listening(port: int = 0) -> socket.socket:
 
 
 class Server:
-    """A desk on a local port.
+    """A backend on a local port.
 
     Parameters
     ----------
-    desk : Desk
+    backend : Backend
     listener : socket
         As :func:`listening` gives it.
 
@@ -58,7 +155,7 @@ class Server:
         The address of the page, with its token.
     """
 
-    def __init__(self, desk: Desk, listener: socket.socket) -> None:
+    def __init__(self, backend: Backend, listener: socket.socket) -> None:
         self._socket = listener
         self.port: int = self._socket.getsockname()[1]
         token = secrets.token_urlsafe(32)
@@ -67,7 +164,7 @@ class Server:
         self._closing = threading.Event()
         self._server = uvicorn.Server(
             uvicorn.Config(
-                application(desk, token, self.port, self._closing, self._opened),
+                application(backend, token, self.port, self._closing, self._opened),
                 http=connections(),
                 ws="none",
                 loop="asyncio",

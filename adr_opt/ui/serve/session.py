@@ -10,18 +10,16 @@ from ...common.errors import InputError
 from ...judge.admit import admit
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from . import session_state
+from . import shown_plan
 from .drafts import Draft, Edit
 from .folder import Folder
 from .history import History
-from .kept_history import forget_unused, restored
-from .looks import Done, Found, Look, PlannedRun, PlanningOrder, PlanningWork
+from .planning import Done, Found, PlannedRun, PlanningOrder, PlanningProgress, PlanningWork
 from .project.points import plan_of_point
-from .project.record import DroppedFile, ProjectRecord, StepRecord
-from .project.result_record import ResultRecord
+from .project.record import DroppedFile, ProjectRecord, ResultRecord, StepRecord
 from .project.results import Results
-from .project_keeper import ProjectKeeper
-from .runs import PlannedRuns, told
+from .project_keeper import PlannedRuns, ProjectKeeper, forget_unused, restored
+from .project_keeper import run_told as told
 from .shown_plan import ShownPlan
 
 
@@ -150,9 +148,9 @@ class EditingSession:
         self._work.close()
         return over
 
-    def look(self) -> Look:
+    def progress(self) -> PlanningProgress:
         """Progress of the planner."""
-        return self._work.look()
+        return self._work.progress()
 
     def show(self, number: int) -> None:
         """Show the plan of a result, and go on from its instance, as one edit.
@@ -253,7 +251,7 @@ class EditingSession:
             return {
                 "revision": self.revision,
                 "folder": str(self.folder.path),
-                **session_state.told(self._history, plan, self._shown.count),
+                **shown_plan.told(self._history, plan, self._shown.count),
                 "result": self._shown.visible,
                 "of_last_run": self._shown.visible in (None, self._ended_with),
                 "trouble": self._trouble,

@@ -10,7 +10,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 
 from ...common.errors import InputError
-from .desk import Desk
+from .backend import Backend
 from .project.private import private_file
 
 MOST_AT_ONCE = 2
@@ -20,12 +20,12 @@ LONGEST_NAME = 200
 """Maximum length of a file's name [characters]."""
 
 
-def uploaded(desk: Desk) -> Callable[[Request], Awaitable[Response]]:
+def uploaded(backend: Backend) -> Callable[[Request], Awaitable[Response]]:
     """What answers an upload: the guard before it has limited the size.
 
     Parameters
     ----------
-    desk : Desk
+    backend : Backend
     """
     turn = asyncio.Semaphore(MOST_AT_ONCE)
 
@@ -36,12 +36,12 @@ def uploaded(desk: Desk) -> Callable[[Request], Awaitable[Response]]:
         if turn.locked():
             return _refused("other files are being uploaded; drop this one again after them", 429)
         async with turn:
-            path = desk.temporary()
+            path = backend.temporary()
             try:
                 with private_file(path) as file:
                     async for chunk in request.stream():
                         await run_in_threadpool(file.write, chunk)
-                return JSONResponse(await run_in_threadpool(desk.drop, path, name))
+                return JSONResponse(await run_in_threadpool(backend.drop, path, name))
             except InputError as error:
                 return _refused(str(error))
             except OSError as error:

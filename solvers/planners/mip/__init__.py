@@ -53,12 +53,11 @@ def mip(
 ) -> Result:
     """The best plan and an upper bound, by mixed-integer programming over all connections.
 
-    See :func:`solvers.models.course.prove` for the course and :mod:`solvers.planners.cpsat` for the
-    same network in constraint programming. A small mission (some four targets for a day) is
-    solved whole; a large one as far as reduced costs leave a network of ``most_arcs``, otherwise
-    the bound is that of the multipliers. HiGHS can be interrupted while it branches, not while it
-    solves its first linear program. An iteration is an evaluation of the multipliers' bound or one
-    call of HiGHS.
+    See :func:`solvers.models.course.prove` for the course. A small mission (some four targets for
+    a day) is solved whole; a large one as far as reduced costs leave a network of ``most_arcs``,
+    otherwise the bound is that of the multipliers. HiGHS can be interrupted while it branches, not
+    while it solves its first linear program. An iteration is an evaluation of the multipliers'
+    bound or one call of HiGHS.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ import pyomo.environ as pyo
 
 from adr_opt.kernels.rules.rules import Rules
 
-from ...models.network import GUARD_M_S, SolverNetwork
+from ...models.solver_network import GUARD_M_S, SolverNetwork
 from .variables import MipVariables
 
 ROUNDING = 1e-6

@@ -19,7 +19,7 @@ import numpy as np
 from adr_opt.common.errors import InputError, MissingExtra
 from adr_opt.mission.mission import Mission
 
-from ...models.network import SolverNetwork, of_rows
+from ...models.solver_network import SolverNetwork, of_rows
 from ...networks.network import build
 
 MOST_MOVES = 500_000

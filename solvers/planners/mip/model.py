@@ -11,8 +11,8 @@ from pyomo.repn.plugins.standard_form import LinearStandardFormCompiler
 
 from adr_opt.kernels.rules.rules import Rules
 
-from ...models.answer import Hear, SolverAnswer
-from ...models.network import SolverNetwork
+from ...models.course import Hear, SolverAnswer
+from ...models.solver_network import SolverNetwork
 from .constraints import MipConstraints
 from .objective import MipObjective
 from .variables import MipVariables

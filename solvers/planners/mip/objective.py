@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pyomo.environ as pyo
 
-from ...models.network import SolverNetwork
+from ...models.solver_network import SolverNetwork
 from .variables import MipVariables
 
 

@@ -7,7 +7,7 @@ import pyomo.environ as pyo
 
 from adr_opt.kernels.rules.rules import Rules
 
-from ...models.network import SolverNetwork
+from ...models.solver_network import SolverNetwork
 
 
 class MipVariables:

@@ -11,8 +11,8 @@ from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 
 from ...routes.one_chaser import left, targets_of
-from .network import SlackWorth
 from .order import Bodies, ClosedOrder, flown
+from .window_network import SlackWorth
 
 
 class Fleet:

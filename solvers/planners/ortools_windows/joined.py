@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels.rules.rules import Rules
 
-from .network import Window, WindowNetwork
+from .window_network import Window, WindowNetwork
 
 
 class Joined(NamedTuple):

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 from ortools.sat.python import cp_model
 
-from ...models.cp_sat_solver import cp_sat
+from ...models.cp_sat import cp_sat
 from .joined import Joined
-from .network import SlackWorth
+from .window_network import SlackWorth
 
 WORTH_STEPS = 1_000_000
 """Integer units per mean prize in the objective."""

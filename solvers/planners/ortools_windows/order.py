@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.memory import borrowed
+from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.schedule import FloatArray, Front, Schedule
 
 from ...beams.greedy_order import greedy_sequence
-from . import fill
-from .network import SlackWorth
+from .window_network import SlackWorth, state_at
 
 Bodies = npt.NDArray[np.int64]
 
@@ -117,7 +120,7 @@ def filled(layer: Mission, order: ClosedOrder, worth: SlackWorth, time_value: fl
             order = found
     while True:
         pace = order.pace(worth)
-        target, place = fill.best_insertion(
+        target, place = best_insertion(
             rules, order.moves, pace.bodies, pace.times, pace.lefts, order.targets
         )
         if target < 0:
@@ -126,3 +129,45 @@ def filled(layer: Mission, order: ClosedOrder, worth: SlackWorth, time_value: fl
         if found is None:
             return order
         order = found
+
+
+@kernel
+def best_insertion(rules, sequence, bodies, times, lefts, count):
+    """The best target to insert such that all later moves stay legal.
+
+    Of the largest prize that fits, the place with the earliest end of the plan.
+
+    Parameters
+    ----------
+    sequence : (moves,) int64
+    bodies, times, lefts : (moves + 1,)
+        Where the chaser is before each move, the end included; since when [s]; ΔV left [m/s].
+    count : int
+        Targets of the sequence.
+
+    Returns
+    -------
+    target, place : int
+        Target −1 for none.
+    """
+    rules = borrowed(rules)
+    given = np.zeros(rules.service.size, dtype=np.bool_)
+    for j in sequence:
+        given[j] = True
+    best, best_place, best_prize, best_end = -1, -1, 0.0, math.inf
+    if count >= rules.limits.targets:
+        return best, best_place
+    for place in range(sequence.size + 1):
+        for new in range(rules.first_target, given.size):
+            prize = rules.prize[new]
+            if given[new] or prize <= 0.0 or prize < best_prize:
+                continue
+            state = state_at(rules, bodies[place], times[place], lefts[place])
+            legal, _, state = rule_kernels.step(rules, state, new)
+            at = place
+            while legal and at < sequence.size:
+                legal, _, state = rule_kernels.step(rules, state, sequence[at])
+                at += 1
+            if legal and (prize > best_prize or state.resources.time < best_end):
+                best, best_place, best_prize, best_end = new, place, prize, state.resources.time
+    return best, best_place

@@ -10,12 +10,13 @@ import numpy as np
 
 from adr_opt.kernels.rules.rules import Rules
 
-from . import network
 from .fleet import Fleet
 from .joined import joined
 from .model import best_paths
 from .order import ClosedOrder, Pace, filled, flown
 from .prices import edge_worths
+from .unrolling import grow
+from .window_network import SlackWorth, UnrollLimits, Window, fly_rest, nearest
 
 GAIN = 0.005
 """Least gain in mean prizes; no window is replanned for a few seconds."""
@@ -66,7 +67,7 @@ def replan(
     choice: WindowChoice,
     *,
     time_share: float,
-    limits: network.UnrollLimits,
+    limits: UnrollLimits,
     edges: int,
     effort: float,
     remaining_s: float,
@@ -104,7 +105,7 @@ def replan(
         one, other = _worth_from(rules, orders[chaser], begin, paces[chaser], window, worth)
         by_layer, exactly = by_layer + one, exactly + other
     goal = max(by_layer, exactly - unit) + GAIN * unit
-    nets = [network.grow(layers[k].rules, worth, windows[k], limits) for k in chasers]
+    nets = [grow(layers[k].rules, worth, windows[k], limits) for k in chasers]
     parts = [(layers[k].rules, windows[k], net) for k, net in zip(chasers, nets, strict=True)]
     together = joined(parts)
     _, worths = edge_worths(together, worth, goal, SUBGRADIENT_STEPS)
@@ -143,7 +144,7 @@ def replan(
 
 
 def filled_up(
-    fleet: Fleet, chasers: tuple[int, ...], worth: network.SlackWorth, time_value: float
+    fleet: Fleet, chasers: tuple[int, ...], worth: SlackWorth, time_value: float
 ) -> Fleet:
     """A plan with the orders of some chasers filled up, one after another."""
     for chaser in chasers:
@@ -154,12 +155,7 @@ def filled_up(
 
 
 def _worth_from(
-    rules: Rules,
-    order: ClosedOrder,
-    begin: int,
-    pace: Pace,
-    window: network.Window,
-    worth: network.SlackWorth,
+    rules: Rules, order: ClosedOrder, begin: int, pace: Pace, window: Window, worth: SlackWorth
 ) -> tuple[float, float]:
     """Worth of the current order from its window on.
 
@@ -168,7 +164,7 @@ def _worth_from(
     order to be better.
     """
     from_here = order.moves[begin:]
-    by_layer, need = network.fly_rest(rules, worth, from_here, window.body, window.time)
+    by_layer, need = fly_rest(rules, worth, from_here, window.body, window.time)
     prize = float(rules.prize[from_here].sum())
     drawn = float(pace.costs[-1] - pace.costs[begin])
     exactly = prize - worth.per_m_s * drawn - worth.per_s * float(pace.times[-1])
@@ -181,9 +177,9 @@ def _window(
     orders: Mapping[int, ClosedOrder],
     pace: Pace,
     choice: WindowChoice,
-    worth: network.SlackWorth,
+    worth: SlackWorth,
     time_value: float,
-) -> network.Window:
+) -> Window:
     """Window of a chaser, open to the targets of all windows and to unvisited ones."""
     order, (begin, end) = orders[chaser], choice.spans[chaser]
     plan = order.moves
@@ -205,11 +201,11 @@ def _window(
     if new.size > TARGETS:
         cost = np.empty(new.size)
         stops = np.concatenate((pace.bodies[begin : begin + 1], inside))
-        network.nearest(rules, stops, ends[: moves + 1], new, time_value, cost)
+        nearest(rules, stops, ends[: moves + 1], new, time_value, cost)
         new = new[np.argsort(cost, kind="stable")[:TARGETS]]
     given_up = [orders[other].moves[slice(*span)] for other, span in choice.spans.items()]
     stations = rules.is_station[inside]
-    return network.Window(
+    return Window(
         int(pace.bodies[begin]),
         float(ends[0]),
         float(pace.lefts[begin]),

@@ -8,10 +8,7 @@ Colours of text and grids are left to
 the page, which knows whether it is light or dark.
 """
 
-from .costs import costs
-from .lanes import lanes
-from .orbits import orbits
-from .over_time import altitude, budget, gantt, mass, nodes
-from .planes import planes
+from .orbits import orbits, planes
+from .over_time import altitude, budget, costs, gantt, lanes, mass, nodes
 
 __all__ = ["altitude", "budget", "costs", "gantt", "lanes", "mass", "nodes", "orbits", "planes"]

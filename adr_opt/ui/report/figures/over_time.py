@@ -1,4 +1,4 @@
-"""Charts over time: altitude, remaining ΔV, mass, nodes, and the timeline."""
+"""Figures over time, with lanes of chasers and stations, and the costs of legs."""
 
 from __future__ import annotations
 
@@ -7,18 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from ....plan.plan import Plan
-from ....plan.routes import several
+from ....plan.palette import chaser_colours
+from ....plan.plan import Leg, Plan
+from ....plan.refined_plan import RefinedPlan
+from ....plan.routes import owners, routes_of, several
 from ....problem.instance import Instance
-from ...plot.budget import budget_chart
-from ...plot.chart import Box, Marks, Series
-from ...plot.gantt import gantt_chart
-from ...plot.heights import altitude_chart, zones
-from ...plot.mass import mass_chart
+from ...plot.budget import budget_chart, costs_chart, has_burns, mass_chart
+from ...plot.chart import DAYS, Bars, Box, Chart, ChartAxis, Marks, Series, days
+from ...plot.courses import altitude_chart, zones
+from ...plot.gantt import gantt_chart, phase_bars, segments
 from ...plot.nodes import nodes_chart
 from ...plot.strands import DrawnArc
+from ...plot.traffic import stays
 from ..text import clock, in_chart, number
-from .parts import (
+from .plotly_traces import (
     FRAME_PX,
     Figure,
     figure,
@@ -131,3 +133,101 @@ def gantt(instance: Instance, plan: Plan) -> Figure:
         height=FRAME_PX + ROW_PX * max(len(chart.y.rows or ()), 4),
         barmode="overlay",
     )
+
+
+MOST_TICKS = 20
+"""Maximum number of leg numbers below the chart; of more legs, only some are numbered."""
+
+
+def costs(plan: Plan, refined: RefinedPlan | None = None) -> Figure:
+    """Two bars per leg in m/s; one where plans have no burns.
+
+    With the plan refined, a third one is what the leg takes then.
+    """
+    count = len(plan.legs)
+
+    def more(one: Series) -> dict[str, Any]:
+        texts = [
+            f"{leg_title(plan, number)}<br>{_words(leg)}"
+            for number, leg in enumerate(one.of, start=1)
+        ]
+        return said("%{text}", texts)
+
+    ticks = {"dtick": 1} if count <= MOST_TICKS else {}
+    return figure(
+        costs_chart(plan, refined),
+        more,
+        barmode="group",
+        showlegend=has_burns(plan),
+        xaxis={"range": [0.4, max(count, 1) + 0.6], **ticks},
+        yaxis={"rangemode": "tozero"},
+    )
+
+
+def _words(leg: Leg) -> str:
+    if not (leg.traits.has_burns or leg.traits.from_nowhere):
+        return f"{leg.kind}, {number(leg.delta_v_m_s)} m/s"
+    aside = ""
+    if leg.eccentricity_delta_v_m_s > 0.0:
+        aside = f", {number(leg.eccentricity_delta_v_m_s)} of them for eccentricity"
+    return (
+        f"{leg.kind}, planned {number(leg.delta_v_m_s)} m/s{aside}; burns "
+        f"{number(leg.burns_delta_v_m_s)} m/s"
+    )
+
+
+LANE_PX = 30
+
+
+def lanes(instance: Instance, plan: Plan) -> Figure:
+    """Chasers at the top, with bars coloured by phase; then stations, coloured by chaser."""
+
+    def more(one: Series) -> dict[str, Any]:
+        if one.phase is not None:
+            return of_bars(plan, one)
+        texts = [
+            f"{in_chart(one.name)} at {in_chart(stay.station)}<br>"
+            f"{period(stay.since_s, stay.until_s)}"
+            + ("" if stay.refuelled_s is None else f"<br>refuelled at {clock(stay.refuelled_s)}")
+            for stay in one.of
+        ]
+        return said("%{text}", texts)
+
+    chart = _chart(instance, plan)
+    return figure(
+        chart,
+        more,
+        xaxis=time_axis(instance, plan),
+        showlegend=several(instance),
+        height=FRAME_PX + LANE_PX * max(len(chart.y.rows or ()), 3),
+        barmode="overlay",
+    )
+
+
+def _chart(instance: Instance, plan: Plan) -> Chart:
+    """Simultaneous stays share the lane of a station, so that none hides another."""
+    whose = owners(instance, plan)
+    crew = [flown.chaser.name for flown in routes_of(instance, plan)]
+    names = (*crew, *instance.station_names)
+    lane = {name: at for at, name in enumerate(names, start=1)}
+    phases = phase_bars(segments(instance, plan), lambda leg: lane[whose.get(leg, crew[0])])
+    bars = [replace(one, in_legend=False) for one in phases]
+    every = stays(instance, plan)
+    for at, (name, colour) in enumerate(chaser_colours(instance).items()):
+        mine = [stay for stay in every if stay.chaser == name and stay.until_s > stay.since_s]
+        each = Bars.share / len(crew)
+        beside = each * (at + 0.5) - Bars.share / 2.0
+        if mine:
+            bars.append(
+                Bars(
+                    name=name,
+                    colour=colour,
+                    share=each,
+                    of=mine,
+                    legs=[stay.leg for stay in mine],
+                    x=days([stay.since_s for stay in mine]),
+                    y=[lane[stay.station] + beside for stay in mine],
+                    lengths=days([stay.until_s - stay.since_s for stay in mine]),
+                )
+            )
+    return Chart(tuple(bars), DAYS, ChartAxis("", rows=names))

@@ -123,6 +123,45 @@ class JobOption:
         }
 
 
+def number(name: str, label: str, unit: str = "", help: str = "", **more: Any) -> JobOption:
+    """An option with a number, whose sign is its name; ``more`` are other fields."""
+    return JobOption(name, sign_of(name), label, "number", unit, help=help, **more)
+
+
+def whole(name: str, label: str, default: int | None, least: float, most: float) -> JobOption:
+    """An option with a whole number between two others."""
+    return number(name, label, default=default, least=least, most=most, whole=True)
+
+
+def text(name: str, label: str, unit: str = "", help: str = "", **more: Any) -> JobOption:
+    """An option with a text, alike."""
+    return JobOption(name, sign_of(name), label, "text", unit, help=help, **more)
+
+
+def flag(name: str, label: str, help: str = "") -> JobOption:
+    """An option without a value, not set by default."""
+    return JobOption(name, sign_of(name), label, "flag", default=False, help=help)
+
+
+def choice(
+    name: str,
+    label: str,
+    choices: Sequence[str] | Callable[[], Sequence[str]],
+    default: str | None = None,
+    help: str = "",
+) -> JobOption:
+    """An option with one of some values, or of those that a function gives when it is asked."""
+    given = choices if callable(choices) else lambda: choices
+    return JobOption(
+        name, sign_of(name), label, "choice", default=default, choices=given, help=help
+    )
+
+
+def sign_of(name: str) -> str:
+    """An option on the command line by its name on the page."""
+    return f"--{name.replace('_', '-')}"
+
+
 def words_of(options: Sequence[JobOption], given: dict[str, Value]) -> list[str]:
     """All options as words of a command line; those that are not given have their defaults.
 

@@ -10,7 +10,7 @@ from ....common.errors import InputError
 from ..forms.options import words_of
 from ..objects.dropped import DroppedObjects
 from ..project.plan_files import INSTANCE, PLAN
-from ..project.result_record import ResultRecord
+from ..project.record import ResultRecord
 from ..requests import JobRequest
 from ..session import EditingSession
 from .verbs import VERBS, JobVerb
@@ -49,7 +49,7 @@ class JobInputs:
         self._session, self._dropped = session, dropped
         self._folder = session.folder.path
 
-    def check(self, asked: JobRequest) -> None:
+    def check(self, request: JobRequest) -> None:
         """Refuse, before anything is made, what :meth:`command` refuses.
 
         Raises
@@ -57,16 +57,16 @@ class JobInputs:
         InputError
             As of it.
         """
-        verb = _verb(asked)
-        words_of(verb.options, asked.options)
-        self._files(verb, asked, None)
+        verb = _verb(request)
+        words_of(verb.options, request.options)
+        self._files(verb, request, None)
 
-    def command(self, asked: JobRequest, place: Path) -> JobCommand:
+    def command(self, request: JobRequest, place: Path) -> JobCommand:
         """The command line of a job.
 
         Parameters
         ----------
-        asked : JobRequest
+        request : JobRequest
         place : path
             Folder of its result; the draft is written there where the verb reads it.
 
@@ -75,24 +75,24 @@ class JobInputs:
         InputError
             There is no such verb or option, or what it needs is not there.
         """
-        verb = _verb(asked)
-        options = words_of(verb.options, asked.options)
-        read = self._files(verb, asked, place)
+        verb = _verb(request)
+        options = words_of(verb.options, request.options)
+        read = self._files(verb, request, place)
         outputs = [
             f"{each.sign}={self._named(place / each.file)}"
             for each in verb.outputs
-            if each.asked_by is None or asked.options.get(each.asked_by)
+            if each.asked_by is None or request.options.get(each.asked_by)
         ]
-        if asked.verb == "tradeoff":
-            of_designs = _of_designs(asked)
+        if request.verb == "tradeoff":
+            of_designs = _of_designs(request)
             outputs.append(
                 f"--out={self._named(place / ('points.jsonl' if of_designs else 'points.csv'))}"
             )
-        return read._replace(words=[asked.verb, *read.words, *options, *outputs, "--json"])
+        return read._replace(words=[request.verb, *read.words, *options, *outputs, "--json"])
 
-    def _files(self, verb: JobVerb, asked: JobRequest, place: Path | None) -> JobCommand:
+    def _files(self, verb: JobVerb, request: JobRequest, place: Path | None) -> JobCommand:
         """Files that a verb reads, and the results that they are of."""
-        given = [self._session.results.record(number) for number in asked.results]
+        given = [self._session.results.record(number) for number in request.results]
         if verb.needs == ("instance",):
             return self._draft(place)
         if verb.needs == ("catalogue",):
@@ -105,9 +105,9 @@ class JobInputs:
         else:
             files += [self._of(record, PLAN) for record in plans]
         used = [*plans]
-        if asked.verb == "report" and refined:
+        if request.verb == "report" and refined:
             files.append(f"--refined={self._of(refined[0], REFINED)}")
-        if refined and asked.verb in ("report", "fly"):
+        if refined and request.verb in ("report", "fly"):
             used.append(refined[0])
         if "certificate" in verb.needs:
             certificate = self._certificate(given, plans[0])
@@ -174,17 +174,19 @@ class JobInputs:
         return str(path.relative_to(self._folder))
 
 
-def _verb(asked: JobRequest) -> JobVerb:
-    if asked.verb not in VERBS:
+def _verb(request: JobRequest) -> JobVerb:
+    if request.verb not in VERBS:
         raise InputError(
-            f"verb {asked.verb[:40]!r} is not offered here; use one of: {', '.join(VERBS)}"
+            f"verb {request.verb[:40]!r} is not offered here; use one of: {', '.join(VERBS)}"
         )
-    return VERBS[asked.verb]
+    return VERBS[request.verb]
 
 
-def _of_designs(asked: JobRequest) -> bool:
-    varied = [str(asked.options.get(name) or "").partition("=")[0] for name in ("vary", "vary_too")]
+def _of_designs(request: JobRequest) -> bool:
+    varied = [
+        str(request.options.get(name) or "").partition("=")[0] for name in ("vary", "vary_too")
+    ]
     priced = any(
-        asked.options.get(f"{name}_cost_eur") is not None for name in ("launch", "kit", "kg")
+        request.options.get(f"{name}_cost_eur") is not None for name in ("launch", "kit", "kg")
     )
     return priced or any(name in KINDS and KINDS[name].of_designs for name in varied)

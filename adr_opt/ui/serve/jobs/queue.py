@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -10,15 +11,80 @@ from typing import Any
 from ....common.errors import InputError
 from ....common.files import write_bytes
 from ....common.json_text import loaded
+from ....common.wording import counted
 from ..objects.dropped import DroppedObjects
-from ..project.result_record import ResultRecord
+from ..project.plan_files import INSTANCE, PLAN, load_kept, of_plan
+from ..project.record import ResultRecord
 from ..project.results import now
 from ..requests import JobRequest
 from ..session import EditingSession
-from .answers import figures_of, said_of
 from .commands import JobCommand, JobInputs
 from .job import Job
 from .verbs import VERBS
+
+
+def figures_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
+    """Figures of a result, from the plan that was made or else from the answer of the verb.
+
+    Parameters
+    ----------
+    place : path
+        The folder of the result.
+    answer : dict
+        What the verb has printed.
+    """
+    if (place / PLAN).is_file() and (place / INSTANCE).is_file():
+        return of_plan(load_kept(place))
+    found = {
+        "objective": answer.get("objective"),
+        "bound": answer.get("upper_bound"),
+        "gap": answer.get("gap"),
+        "delta_v_m_s": answer.get("flown_delta_v_m_s"),
+    }
+    figures: dict[str, Any] = {
+        name: float(value)
+        for name, value in found.items()
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    }
+    status = answer.get("status")
+    return figures | ({"status": status} if isinstance(status, str) else {})
+
+
+def said_of(verb: str, answer: dict[str, Any], status: int) -> str:
+    """An answer in a few words.
+
+    Parameters
+    ----------
+    verb : str
+    answer : dict
+        What the verb has printed.
+    status : int
+        Its exit status, 1 where the answer is no.
+    """
+    if verb == "check":
+        count = len(answer.get("violations") or ())
+        return counted(count, "violation") if count else "no violations"
+    if verb == "verify":
+        reasons = answer.get("reasons") or ("refused",)
+        return "verified" if answer.get("verified") else f"refused: {reasons[0]}"
+    bound = answer.get("upper_bound")
+    if verb == "bound" and isinstance(bound, (int, float)):
+        return f"no plan collects more than {bound:.6g}"
+    return NO.get(verb, "done, but the answer is no") if status else "done"
+
+
+NO = {
+    "bound": "infeasible",
+    "compare": "a plan has violations",
+    "fly": "a leg misses, or a tank does not suffice",
+    "refine": "a leg is missing",
+    "rehearse": "no rehearsal services all required targets",
+    "replan": "the rest has no plan",
+    "report": "a tank does not suffice, or a leg misses",
+    "tradeoff": "a point has no plan",
+}
+"""What exit status 1 means."""
+
 
 MOST_AT_ONCE = 2
 """Number of jobs that run side by side."""
@@ -55,7 +121,7 @@ class JobQueue:
         self._count = 0
         self.revision = 0
 
-    def begin(self, asked: JobRequest) -> int:
+    def begin(self, request: JobRequest) -> int:
         """Put a job into the queue; returns its number.
 
         Raises
@@ -63,25 +129,27 @@ class JobQueue:
         InputError
             The request is not valid, or too many jobs wait.
         """
-        self._inputs.check(asked)
+        self._inputs.check(request)
         with self._lock:
             if sum(job.runs for job in self._jobs) >= MOST_WAITING:
                 raise InputError(f"{MOST_WAITING} jobs are running or waiting; stop some first")
             self._count += 1
-            limit_s = asked.options.get("time_limit_s")
+            limit_s = request.options.get("time_limit_s")
             job = Job(
                 self._count,
-                asked.verb,
-                VERBS[asked.verb].label,
-                limit_s if isinstance(limit_s, (int, float)) and asked.verb != "tradeoff" else None,
+                request.verb,
+                VERBS[request.verb].label,
+                limit_s
+                if isinstance(limit_s, (int, float)) and request.verb != "tradeoff"
+                else None,
                 self._changed,
             )
             self._jobs = _listed([*self._jobs, job])
         place: Path | None = None
         try:
-            number, place = self._session.results.begin(asked.verb)
+            number, place = self._session.results.begin(request.verb)
             # The files are those of now, however long it waits.
-            command = self._inputs.command(asked, place)
+            command = self._inputs.command(request, place)
         except BaseException as error:
             if place is not None:
                 self._session.results.drop(place)

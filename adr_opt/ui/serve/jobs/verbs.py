@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 from ....run.methods import BOUNDS, PLANNERS, names
 from ....run.run_options import DEFAULT_BOUND, DEFAULT_BOUND_TIME_LIMIT_S, DEFAULT_TIME_LIMIT_S
-from ..forms.options import JobOption
-from ..looks import LONGEST_S
+from ..forms.options import JobOption, choice, flag, number, text, whole
+from ..planning import LONGEST_S
 from ..project.points import PLANS
 
 Need = Literal[
@@ -65,10 +65,6 @@ class JobVerb:
         }
 
 
-def _one_of(*values: str) -> Any:
-    return lambda: values
-
-
 def _planners() -> Sequence[str]:
     return names(PLANNERS)
 
@@ -77,68 +73,44 @@ def _bounds() -> Sequence[str]:
     return names(BOUNDS)
 
 
-SEED = JobOption("seed", "--seed", "Seed", "number", default=0, least=0, most=2**31 - 1, whole=True)
-BOUND = JobOption("method", "--method", "Bound", "choice", default=DEFAULT_BOUND, choices=_bounds)
-PLANNER = JobOption("method", "--method", "Method", "choice", choices=_planners)
-NAMES = r"[^\x00-\x1f\x7f]*"
-
-
-def _limit(default: float | None, most: float = LONGEST_S) -> JobOption:
+def _limit(default: float) -> JobOption:
     return JobOption(
-        "time_limit_s", "--time-limit", "Time limit", "number", "s", default, 0.1, most
+        "time_limit_s", "--time-limit", "Time limit", "number", "s", default, 0.1, LONGEST_S
     )
-
-
-VARY = r"[a-z-]+=[0-9eE.,:+-]+"
-VARIED = "give a range as NAME=LOW:HIGH:STEP, or values as NAME=VALUE,VALUE"
-
-ACTIVITY = JobOption(
-    "activity",
-    "--activity",
-    "Activity of the Sun",
-    "choice",
-    default="mean",
-    choices=_one_of("low", "mean", "high"),
-    help="on which the density of the air depends",
-)
 
 
 def _euros(name: str, label: str) -> JobOption:
     return JobOption(f"{name}_cost_eur", f"--{name}-cost", label, "number", "€", None, 0.0, 1e12)
 
 
+SEED = whole("seed", "Seed", 0, 0, 2**31 - 1)
+BOUND = choice("method", "Bound", _bounds, DEFAULT_BOUND)
+PLANNER = choice("method", "Method", _planners)
+CERTIFICATE = JobOption("certificate", "", "With a certificate", "flag", default=False)
+
+NAMES = r"[^\x00-\x1f\x7f]*"
+VARY = r"[a-z-]+=[0-9eE.,:+-]+"
+VARIED = "give a range as NAME=LOW:HIGH:STEP, or values as NAME=VALUE,VALUE"
+
+GRAVITIES = ("two-body", "j2", "j3", "j4")
+OF_GRAVITY = "zonal harmonics up to this one; by default those of the instance"
+OF_BURNS = "free: least ΔV at any times; planned: the plan's own, changed little"
+OF_FORCES = "of a refined plan: its own field, or all forces"
+OF_ACTIVITY = "on which the density of the air depends"
+
 VERBS: dict[str, JobVerb] = {
     "bound": JobVerb(
         "Prove a bound",
         ("instance",),
-        (
-            BOUND,
-            _limit(DEFAULT_BOUND_TIME_LIMIT_S),
-            SEED,
-            JobOption("certificate", "", "With a certificate", "flag", default=False),
-        ),
+        (BOUND, _limit(DEFAULT_BOUND_TIME_LIMIT_S), SEED, CERTIFICATE),
         (JobOutput("--certificate", "certificate.json.gz", "certificate"),),
     ),
     "refine": JobVerb(
         "Refine",
         ("plan",),
         (
-            JobOption(
-                "gravity",
-                "--gravity",
-                "Gravity",
-                "choice",
-                choices=_one_of("two-body", "j2", "j3", "j4"),
-                help="zonal harmonics up to this one; by default those of the instance",
-            ),
-            JobOption(
-                "burns",
-                "--burns",
-                "Burns",
-                "choice",
-                choices=_one_of("free", "planned"),
-                help="free: least ΔV at any times; planned: the plan's own, changed little",
-            ),
+            choice("gravity", "Gravity", GRAVITIES, help=OF_GRAVITY),
+            choice("burns", "Burns", ("free", "planned"), help=OF_BURNS),
         ),
         (JobOutput("--out", "refined.json"),),
     ),
@@ -146,23 +118,9 @@ VERBS: dict[str, JobVerb] = {
         "Fly",
         ("plan or refined",),
         (
-            JobOption(
-                "forces",
-                "--forces",
-                "Forces",
-                "choice",
-                choices=_one_of("j2", "full"),
-                help="of a refined plan: its own field, or all forces",
-            ),
-            JobOption(
-                "samples",
-                "--samples",
-                "Flights with errors",
-                "number",
-                least=1,
-                most=100_000,
-                whole=True,
-                help="of a refined plan",
+            choice("forces", "Forces", ("j2", "full"), help=OF_FORCES),
+            replace(
+                whole("samples", "Flights with errors", None, 1, 100_000), help="of a refined plan"
             ),
         ),
     ),
@@ -170,24 +128,12 @@ VERBS: dict[str, JobVerb] = {
     "verify": JobVerb(
         "Verify",
         ("plan", "certificate"),
-        (
-            JobOption(
-                "connections",
-                "--connections",
-                "Connections flown again",
-                "number",
-                default=1000,
-                least=0,
-                most=1_000_000,
-                whole=True,
-            ),
-            SEED,
-        ),
+        (whole("connections", "Connections flown again", 1000, 0, 1_000_000), SEED),
     ),
     "compare": JobVerb(
         "Compare",
         ("plans",),
-        (JobOption("all", "--all", "Equal legs, too", "flag", default=False),),
+        (flag("all", "Equal legs, too"),),
         (JobOutput("--page", "comparison.html"),),
         "comparison.html",
     ),
@@ -195,7 +141,7 @@ VERBS: dict[str, JobVerb] = {
         "Trade off",
         ("instance",),
         (
-            JobOption("vary", "--vary", "Vary", "text", pattern=VARY, help=VARIED),
+            text("vary", "Vary", help=VARIED, pattern=VARY),
             JobOption("vary_too", "--vary", "Vary, too", "text", pattern=VARY, help=VARIED),
             PLANNER,
             _limit(DEFAULT_TIME_LIMIT_S),
@@ -212,22 +158,11 @@ VERBS: dict[str, JobVerb] = {
         ("plan",),
         (
             JobOption("at_s", "--at", "From", "number", "s", 0.0, 0.0, 1e10, suffix="s"),
-            JobOption("lost", "--lost", "Targets lost", "text", pattern=NAMES),
-            JobOption("missed", "--missed", "Targets missed", "text", pattern=NAMES),
-            JobOption(
-                "failed", "--failed", "Leg that fails", "number", least=1, most=1e6, whole=True
-            ),
-            JobOption("retry", "--retry", "Try missed ones again", "flag", default=False),
-            JobOption(
-                "keep",
-                "--keep",
-                "Legs that stay",
-                "number",
-                default=0,
-                least=0,
-                most=1e6,
-                whole=True,
-            ),
+            text("lost", "Targets lost", pattern=NAMES),
+            text("missed", "Targets missed", pattern=NAMES),
+            whole("failed", "Leg that fails", None, 1, 1e6),
+            flag("retry", "Try missed ones again"),
+            whole("keep", "Legs that stay", 0, 0, 1e6),
             PLANNER,
             _limit(2.0),
         ),
@@ -237,24 +172,8 @@ VERBS: dict[str, JobVerb] = {
         "Rehearse",
         ("plan", "uncertainty"),
         (
-            JobOption(
-                "policy",
-                "--policy",
-                "Policy",
-                "choice",
-                default="follow",
-                choices=_one_of("follow", "skip", "replan", "beam"),
-            ),
-            JobOption(
-                "samples",
-                "--samples",
-                "Rehearsals",
-                "number",
-                default=1000,
-                least=1,
-                most=1e6,
-                whole=True,
-            ),
+            choice("policy", "Policy", ("follow", "skip", "replan", "beam"), "follow"),
+            whole("samples", "Rehearsals", 1000, 1, 1e6),
             SEED,
         ),
         (JobOutput("--out", "rehearsal.html"),),
@@ -264,19 +183,9 @@ VERBS: dict[str, JobVerb] = {
         "Worth of removals",
         ("catalogue",),
         (
-            JobOption("years", "--years", "Horizon", "number", "years", 50.0, 1e-3, 200.0),
-            JobOption(
-                "candidates",
-                "--candidates",
-                "Objects with prizes",
-                "number",
-                default=0,
-                least=0,
-                most=100_000,
-                whole=True,
-                help="0 for all",
-            ),
-            ACTIVITY,
+            number("years", "Horizon", "years", default=50.0, least=1e-3, most=200.0),
+            replace(whole("candidates", "Objects with prizes", 0, 0, 100_000), help="0 for all"),
+            choice("activity", "Activity of the Sun", ("low", "mean", "high"), "mean", OF_ACTIVITY),
         ),
         (
             JobOutput("--out", "prizes.csv"),
@@ -288,7 +197,7 @@ VERBS: dict[str, JobVerb] = {
     "report": JobVerb(
         "Report",
         ("plan",),
-        (JobOption("fly", "--fly", "With flown legs", "flag", default=False),),
+        (flag("fly", "With flown legs"),),
         (JobOutput("--out", "report.html"),),
         "report.html",
     ),

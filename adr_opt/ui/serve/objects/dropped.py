@@ -19,8 +19,7 @@ from ....sources.catalogue.reading import load_bytes, read_bytes
 from ..project.private import passing, private_folder, refuse_link
 from ..project.record import Content, DroppedFile
 from ..session import EditingSession
-from .catalogue_view import CatalogueView
-from .choice import MissionMade, mission_of
+from .catalogue_view import CatalogueView, MissionMade, mission_of
 from .import_options import in_labels, wanted_of
 from .recognise import Recognised, recognised
 

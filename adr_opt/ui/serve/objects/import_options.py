@@ -3,17 +3,40 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import Any, NamedTuple
 
 from ....common.errors import InputError
 from ....sources import catalogue
-from ....sources.asked.crew_given import CrewOptions
-from ....sources.asked.fitting import Fitting
-from ....sources.asked.mission_given import MissionOptions
-from ....sources.asked.objects_given import check_objects
 from ....sources.catalogue.filters import parse_range
-from ..forms.options import JobOption
-from .import_wanted import ImportWanted
+from ....sources.crew_options import CrewOptions, Fitting
+from ....sources.mission_options import MissionOptions, check_objects
+from ..forms.options import JobOption, choice, flag, number, sign_of, text
+
+
+class ImportWanted(NamedTuple):
+    """What is asked of an import.
+
+    Attributes
+    ----------
+    filters : Filters
+    max_targets : int or None
+    station : str or None
+    mission : MissionOutline
+    crew : Crew
+    demands : Demands
+        Without a table of prizes.
+    ephemerides : bool
+        Whether element sets are kept, and orbits fitted to their states.
+    """
+
+    filters: catalogue.Filters
+    max_targets: int | None
+    station: str | None
+    mission: catalogue.MissionOutline
+    crew: catalogue.Crew
+    demands: catalogue.Demands
+    ephemerides: bool
+
 
 RANGE = "two numbers as LOW:HIGH; one may be left out"
 BY_MASS = "for a tank by mass"
@@ -22,73 +45,49 @@ LONGEST_LIST = 20_000
 """Maximum length of a list of objects [characters]."""
 
 
-def _number(name: str, label: str, unit: str = "", help: str = "", **more: Any) -> JobOption:
-    return JobOption(name, _sign(name), label, "number", unit, help=help, **more)
-
-
-def _text(name: str, label: str, unit: str = "", help: str = "", **more: Any) -> JobOption:
-    return JobOption(name, _sign(name), label, "text", unit, help=help, **more)
-
-
 def _list(name: str, label: str, unit: str = "", help: str = "") -> JobOption:
-    return _text(name, label, unit, help, longest=LONGEST_LIST)
-
-
-def _flag(name: str, label: str, help: str = "") -> JobOption:
-    return JobOption(name, _sign(name), label, "flag", default=False, help=help)
-
-
-def _sign(name: str) -> str:
-    return f"--{name.replace('_', '-')}"
+    return text(name, label, unit, help, longest=LONGEST_LIST)
 
 
 OPTIONS: tuple[JobOption, ...] = (
-    _text("epoch", "Epoch", "UTC", "as 2026-01-01T00:00:00; empty for the latest of the elements"),
-    _number("duration_days", "Mission duration", "d", default=7.0),
-    JobOption(
-        "dynamics",
-        "--dynamics",
-        "Dynamics",
-        "choice",
-        default="j2",
-        choices=lambda: ("j2", "two-body"),
-        help="with j2 planes drift",
-    ),
-    _text("altitude", "Altitudes kept", "km", RANGE),
-    _text("inclination", "Inclinations kept", "deg", RANGE),
-    _text("raan", "Nodes kept", "deg", "two numbers as LOW:HIGH; 350:10 goes through 0"),
-    _text("name", "Names kept", "", "a part of a name, or a pattern with * and ?"),
+    text("epoch", "Epoch", "UTC", "as 2026-01-01T00:00:00; empty for the latest of the elements"),
+    number("duration_days", "Mission duration", "d", default=7.0),
+    choice("dynamics", "Dynamics", ("j2", "two-body"), "j2", "with j2 planes drift"),
+    text("altitude", "Altitudes kept", "km", RANGE),
+    text("inclination", "Inclinations kept", "deg", RANGE),
+    text("raan", "Nodes kept", "deg", "two numbers as LOW:HIGH; 350:10 goes through 0"),
+    text("name", "Names kept", "", "a part of a name, or a pattern with * and ?"),
     _list("exclude", "Objects left out", "", "numbers or names between commas"),
-    _number("max_targets", "Most targets", "", "nearest planes first", whole=True),
-    _text(
+    number("max_targets", "Most targets", "", "nearest planes first", whole=True),
+    text(
         "station",
         "Station",
         "km, °, °, °",
         "ALTITUDE,INCLINATION,NODE[,U] or an object; empty for the densest plane",
     ),
-    _flag("no_refuelling", "No station", "the chaser starts in its place"),
-    _number("delta_v", "ΔV of a full tank", "m/s", "3000 by default"),
-    _number("dry_mass", "Dry mass", "kg", BY_MASS),
-    _number("propellant", "Propellant of a full tank", "kg", BY_MASS),
-    _number("isp", "Specific impulse", "s", BY_MASS),
-    _number("thrust", "Low thrust", "N", "in place of impulses; needs a tank by mass"),
-    _number("duty_cycle", "Duty cycle", "", "share of the time in which the thrust is on"),
-    _number("kits", "Kits aboard", "", "each target needs one", whole=True),
-    _number("kit_mass", "Mass of a kit", "kg"),
-    _number("tow", "Mass of a towed target", "kg", "each target is towed"),
-    _number("disposal_altitude", "Disposal altitude", "km", "to which targets are towed"),
-    _number("launches", "Launches", "", "chasers launched, each to its first target", whole=True),
-    _number("launch_every", "Interval between launches", "d", "365 by default; 0 for one rocket"),
-    _number("launch_separation", "Least interval between launches", "d", "times are optimised"),
-    _text("expense", "Expense of a chaser", "", "FIXED[,PER_KG[,PER_KG2]]; the least is best"),
-    _number("service_days", "Time at a target", "d", "empty for one revolution"),
+    flag("no_refuelling", "No station", "the chaser starts in its place"),
+    number("delta_v", "ΔV of a full tank", "m/s", "3000 by default"),
+    number("dry_mass", "Dry mass", "kg", BY_MASS),
+    number("propellant", "Propellant of a full tank", "kg", BY_MASS),
+    number("isp", "Specific impulse", "s", BY_MASS),
+    number("thrust", "Low thrust", "N", "in place of impulses; needs a tank by mass"),
+    number("duty_cycle", "Duty cycle", "", "share of the time in which the thrust is on"),
+    number("kits", "Kits aboard", "", "each target needs one", whole=True),
+    number("kit_mass", "Mass of a kit", "kg"),
+    number("tow", "Mass of a towed target", "kg", "each target is towed"),
+    number("disposal_altitude", "Disposal altitude", "km", "to which targets are towed"),
+    number("launches", "Launches", "", "chasers launched, each to its first target", whole=True),
+    number("launch_every", "Interval between launches", "d", "365 by default; 0 for one rocket"),
+    number("launch_separation", "Least interval between launches", "d", "times are optimised"),
+    text("expense", "Expense of a chaser", "", "FIXED[,PER_KG[,PER_KG2]]; the least is best"),
+    number("service_days", "Time at a target", "d", "empty for one revolution"),
     _list("deadline", "Deadlines", "d", "OBJECT=DAYS, several between semicolons"),
     _list("require", "Required objects", "", "numbers or names between semicolons"),
-    _number("max_drift_days", "Longest drift", "d", "0 for none; empty for that of the mission"),
-    _number("drift_step_days", "Time step of drifts", "d"),
-    _number("departure_spacing_days", "Time between departures", "d", "the least"),
-    _number("resolution", "Least saving of a transfer", "m/s"),
-    _flag("ephemerides", "Fit orbits to the element sets", "which are kept beside the instance"),
+    number("max_drift_days", "Longest drift", "d", "0 for none; empty for that of the mission"),
+    number("drift_step_days", "Time step of drifts", "d"),
+    number("departure_spacing_days", "Time between departures", "d", "the least"),
+    number("resolution", "Least saving of a transfer", "m/s"),
+    flag("ephemerides", "Fit orbits to the element sets", "which are kept beside the instance"),
 )
 """All options but for files, of which those count that were dropped."""
 
@@ -144,7 +143,7 @@ def wanted_of(given: dict[str, Any], *, messages: bool = False) -> ImportWanted:
     ranges = {
         field: None
         if value[name] is None
-        else parse_range(value[name], _sign(name), open_ended=name != "raan")
+        else parse_range(value[name], sign_of(name), open_ended=name != "raan")
         for name, field in (
             ("altitude", "altitude_km"),
             ("inclination", "inclination_deg"),
@@ -179,5 +178,5 @@ def _checked(given: dict[str, Any]) -> dict[str, Any]:
 
 def in_labels(sentence: str) -> str:
     """A sentence with the labels of fields in place of options of the command line."""
-    signed = re.sub(r"^option ([a-z_]+)", lambda found: _sign(found[1]), sentence)
+    signed = re.sub(r"^option ([a-z_]+)", lambda found: sign_of(found[1]), sentence)
     return re.sub(r"--[a-z][a-z-]*", lambda sign: LABELS.get(sign[0], sign[0]), signed)

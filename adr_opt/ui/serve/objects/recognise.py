@@ -14,9 +14,9 @@ from ....plan.plan import Plan
 from ....problem.instance import Instance
 from ....problem.uncertainty import Uncertainty
 from ....sources import catalogue, worth
-from ....sources.beginnings import HEAD, ephemeris_format, head_of
 from ....sources.catalogue.reading import read_bytes
 from ....sources.ephemerides.oem import read_oem
+from ....sources.file_formats import HEAD, ephemeris_format, head_of
 from ..project.record import Content
 
 MOST_BAD = 5

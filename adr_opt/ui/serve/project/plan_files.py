@@ -11,7 +11,7 @@ from ....judge.admit import Admitted, admit
 from ....plan.plan import Plan
 from ....problem.instance import Instance
 from .private import refuse_link
-from .result_record import ResultRecord
+from .record import ResultRecord
 
 INSTANCE, PLAN = "instance.json", "plan.json"
 

@@ -1,7 +1,8 @@
-"""The file of a project, ``adr-opt-project/1``: history of drafts, dropped files, what is shown."""
+"""The files of a project, ``adr-opt-project/1``, and of its results, ``adr-opt-result/1``."""
 
 from __future__ import annotations
 
+from datetime import datetime
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
@@ -111,7 +112,76 @@ class ProjectRecord(Record):
         return to_text(self.model_dump(mode="json"))
 
 
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the project file."""
-    schema = ProjectRecord.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+RESULT_FORMAT: Literal["adr-opt-result/1"] = "adr-opt-result/1"
+
+_KEPT = "bound check compare fly refine rehearse replan report solve tradeoff verify worth"
+KEPT_VERBS = frozenset(_KEPT.split())
+"""Verbs whose results are kept; any other folder among the results is not the project's."""
+
+
+class ResultRecord(Record):
+    """What a verb has made, as the file ``result.json`` of its folder says.
+
+    Attributes
+    ----------
+    number : int
+    verb : str
+    label : str
+    made_at : datetime
+    inputs : tuple of int
+        Results that it was made from.
+    command : tuple of str
+        The command line, to be given in the project folder; empty for what the page did itself.
+    exit_status : int
+    said : str
+        Messages of the verb.
+    instance_sha256, plan_sha256 : str or None
+        Of the instance, and of the legs of the plan.
+    page : str or None
+        Name of its page.
+    files : tuple of str
+        Names of all files beside this one.
+    objective, bound, gap, delta_v_m_s, targets, status
+        Figures, as far as there are any.
+    """
+
+    format: Literal["adr-opt-result/1"] = RESULT_FORMAT
+    number: Number
+    verb: Name
+    label: str
+    made_at: datetime
+    inputs: Annotated[tuple[Number, ...], Field(strict=False)] = ()
+    command: Annotated[tuple[str, ...], Field(strict=False)] = ()
+    exit_status: int = 0
+    said: str = ""
+    instance_sha256: str | None = None
+    plan_sha256: str | None = None
+    page: FileName | None = None
+    files: Annotated[tuple[str, ...], Field(strict=False)] = ()
+    objective: float | None = None
+    bound: float | None = None
+    gap: float | None = None
+    delta_v_m_s: float | None = None
+    targets: int | None = None
+    status: str | None = None
+
+    @property
+    def has_plan(self) -> bool:
+        """Whether it holds a plan with its instance."""
+        return "plan.json" in self.files and "instance.json" in self.files
+
+    def to_json(self) -> str:
+        """The file as text."""
+        return to_text(self.model_dump(mode="json"))
+
+    def row(self) -> dict[str, Any]:
+        """The result as the page lists it, as JSON data."""
+        content = self.model_dump(mode="json")
+        left_out = ("format", "number", "command", "instance_sha256", "plan_sha256", "page")
+        row = {name: value for name, value in content.items() if name not in left_out}
+        return {
+            "id": self.number,
+            **row,
+            "has_page": self.page is not None,
+            "has_plan": self.has_plan,
+        }

@@ -18,7 +18,7 @@ from ....plan.plan import Plan
 from ....problem.instance import Instance
 from .plan_files import INSTANCE, PLAN, load_kept, of_plan, unfinished
 from .private import private_folder
-from .result_record import KEPT_VERBS, ResultRecord
+from .record import KEPT_VERBS, ResultRecord
 
 RECORD = "result.json"
 

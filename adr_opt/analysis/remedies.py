@@ -1,0 +1,250 @@
+"""Remedies for an order that cannot be flown: more ΔV or time, or one change of the order."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from ..common.constants import SLACK_M_S
+from ..kernels.rules.rules import Rules
+from ..legs.connection_finder import ConnectionFinder
+from ..legs.service_limits import limits_of
+from ..mission.mission import Mission
+from ..mission.schedule import Front, Scheduler
+from ..plan.cargo import loads_of, most_left_m_s
+from ..problem.chasers import Chaser, Tank, TankByMass
+from ..problem.instance import Instance
+
+LARGEST, LONGEST = 4.0, 2.0
+"""Largest multiples of the tank and of the mission that are examined."""
+
+PRECISION_M_S = 0.1
+"""Precision of the least tank."""
+
+Moves = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Shortfall:
+    """Additional resources with which the whole order could be flown.
+
+    Attributes
+    ----------
+    delta_v_m_s : float or None
+        Additional ΔV of each full tank, all else unchanged; None where no tank of four times the
+        size would do, or where it is not ΔV that is missing.
+    time_s : float or None
+        Additional time before the mission or the chaser's availability ends, likewise; None
+        where twice the time would not do.
+    window_s : float or None
+        Additional opening time of the target's window where the order breaks, likewise.
+    both : bool
+        Neither ΔV nor time alone is enough, and the two figures are together: the least time that
+        would do with any tank, and the least tank for that time.
+    """
+
+    delta_v_m_s: float | None = None
+    time_s: float | None = None
+    window_s: float | None = None
+    both: bool = False
+
+    def to_dict(self) -> dict[str, Any]:
+        """The shortfall as JSON data."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """A change of an order that makes all of it flyable.
+
+    Attributes
+    ----------
+    kind : {"leave-out", "refuel", "swap"}
+        One target is left out; the chaser refuels before a body; two neighbours change places.
+    body : str
+        Which is left out; before which it refuels; the first of those that change places.
+    order : tuple of str
+    prize : float
+        Of its targets, without what planners add for those that are required.
+    delta_v_m_s, end_s : float
+        Of all legs and tows, and the end of the last service, or tow.
+    """
+
+    kind: Literal["leave-out", "refuel", "swap"]
+    body: str
+    order: tuple[str, ...]
+    prize: float
+    delta_v_m_s: float
+    end_s: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """The change as JSON data."""
+        return {**asdict(self), "order": list(self.order)}
+
+
+def remedies(mission: Mission, moves: Moves) -> tuple[Remedy, ...]:
+    """All single changes that repair an order, by remaining prize, then by cost."""
+    found: list[tuple[float, float, int, Remedy]] = []
+    for kind, body, changed in _changes(mission, moves):
+        timing = mission.time(changed)
+        if timing.made < len(changed) or not mission.may_stop(changed):
+            continue
+        names = tuple(mission.names[j] for j in changed)
+        prize = mission.prizes(changed, timing.ends.tolist())
+        end_s = float(timing.ends[-1]) if changed else 0.0
+        remedy = Remedy(kind, mission.names[body], names, prize, timing.delta_v, end_s)
+        found.append((-prize, timing.cost, len(found), remedy))
+    return tuple(entry[-1] for entry in sorted(found))
+
+
+def _changes(
+    mission: Mission, moves: Moves
+) -> Iterator[tuple[Literal["leave-out", "refuel", "swap"], int, Moves]]:
+    required = mission.required
+    for at, j in enumerate(moves):
+        # What is required may not be left out, but for its second visit.
+        if j not in required or moves.count(j) > 1:
+            yield "leave-out", j, moves[:at] + moves[at + 1 :]
+    for at, j in enumerate(moves[1:], start=1):
+        for station in range(mission.rules.stations):
+            yield "refuel", j, (*moves[:at], station, *moves[at:])
+        yield "swap", moves[at - 1], (*moves[: at - 1], j, moves[at - 1], *moves[at + 1 :])
+
+
+def missing(mission: Mission, moves: Moves, made: int) -> Shortfall:
+    """Additional resources for an order that breaks after a number of moves."""
+    if mission.in_order(moves) < len(moves):
+        return Shortfall()  # the order itself is against the rules, and nothing helps
+    chaser = mission.chaser
+    larger, longer = _with_tank(chaser, LARGEST), mission.instance.mission.duration_s * LONGEST
+    tank, time = _Relaxed(mission, larger, None), _Relaxed(mission, chaser, longer)
+    by_tank = tank.least_scale(moves)
+    by_time = time.least_end(moves, 1.0)
+    both = by_tank is None and by_time is None
+    if both:
+        by_time = _Relaxed(mission, larger, longer).least_end(moves, LARGEST)
+        if by_time is not None:
+            tank = _Relaxed(mission, larger, by_time)
+            by_tank = tank.least_scale(moves)
+        both = by_tank is not None
+        if not both:
+            by_time = None
+    return Shortfall(
+        None if by_tank is None else tank.added_m_s(by_tank),
+        None if by_time is None else max(by_time - mission.rules.duration, 0.0),
+        _window(mission, moves, made),
+        both,
+    )
+
+
+def _window(mission: Mission, moves: Moves, made: int) -> float | None:
+    """Additional opening time of the window at which an order breaks [s]."""
+    rules, j = mission.rules, moves[made]
+    if not rules.closes[j] < rules.duration:
+        return None
+    closes = rules.closes.copy()
+    closes[j] = rules.duration
+    scheduler = mission.schedules.under(rules._replace(closes=closes))
+    fronts = scheduler.fronts(moves)
+    if len(fronts) <= len(moves):
+        return None
+    # The way that is earliest there need not be one that can go on; so it is asked of each end.
+    ends = sorted(set(fronts[made + 1].ready.tolist()))
+    low, high = 0, len(ends) - 1
+    while low < high:
+        middle = (low + high) // 2
+        closes[j] = ends[middle]
+        again = mission.schedules.under(rules._replace(closes=closes.copy()))
+        if len(again.fronts(moves)) > len(moves):
+            high = middle
+        else:
+            low = middle + 1
+    return float(max(ends[low] - rules.closes[j], 0.0))
+
+
+def _with_tank(chaser: Chaser, scale: float) -> Chaser:
+    """A chaser with a scaled tank: ΔV or propellant.
+
+    The ΔV that is lacking at the start stays lacking, as first legs pay for it: more in a full tank
+    is more at the start, too.
+    """
+    tank = chaser.tank
+    if isinstance(tank, TankByMass):
+        larger = tank.replace(propellant_kg=scale * tank.propellant_kg, initial_propellant_kg=None)
+        if tank.spent_m_s > 0.0:
+            left_m_s = larger.delta_v_m_s - tank.spent_m_s
+            left_kg = tank.dry_mass_kg * math.expm1(left_m_s / tank.exhaust_m_s)
+            larger = larger.replace(initial_propellant_kg=max(left_kg, 0.0))
+        return chaser.replace(tank=larger)
+    full = scale * tank.delta_v_m_s
+    initial = full - tank.spent_m_s if tank.spent_m_s else None
+    return chaser.replace(tank=Tank(delta_v_m_s=full, initial_delta_v_m_s=initial))
+
+
+class _Relaxed:
+    """An order under larger limits: their connections, and rules between them and the true ones.
+
+    Parameters
+    ----------
+    mission : Mission
+    chaser : Chaser
+        With a tank that may be larger.
+    duration_s : float or None
+        Of the mission and of the availability of the chaser; None for what they are.
+    """
+
+    def __init__(self, mission: Mission, chaser: Chaser, duration_s: float | None) -> None:
+        self._mission = mission
+        instance, number = mission.instance, mission.instance.chasers.index(mission.chaser)
+        if duration_s is not None:
+            chaser = chaser.replace(available_s=(chaser.available_s[0], None))
+            instance = instance.replace(mission=instance.mission.replace(duration_s=duration_s))
+        chasers = (*instance.chasers[:number], chaser, *instance.chasers[number + 1 :])
+        self._instance: Instance = instance.replace(chasers=chasers)
+        limits = limits_of(self._instance, number)
+        self._rules = mission.rules._replace(closes=limits.closes, duration=limits.duration)
+        connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
+        cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
+        self._schedules = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
+
+    def _under(self, scale: float) -> Rules:
+        """The rules with a scaled tank."""
+        mission = self._mission
+        chaser = _with_tank(mission.chaser, scale)
+        loads = loads_of(mission.instance, chaser, mission.margin)
+        budget = (1.0 - mission.margin) * chaser.tank.delta_v_m_s + SLACK_M_S
+        if loads is not None:
+            budget = most_left_m_s(loads)
+        return self._rules._replace(budget=budget, loads=loads)
+
+    def _front(self, moves: Moves, scale: float) -> Front | None:
+        """Labels at the end of an order; None if it cannot be flown."""
+        fronts = self._schedules.under(self._under(scale)).fronts(moves)
+        return fronts[-1] if len(fronts) > len(moves) else None
+
+    def least_end(self, moves: Moves, scale: float) -> float | None:
+        """Earliest end of an order [s]."""
+        front = self._front(moves, scale)
+        return None if front is None else float(front.ready.min())
+
+    def added_m_s(self, scale: float) -> float:
+        """Additional ΔV of a scaled tank [m/s]."""
+        chaser = self._mission.chaser
+        return _with_tank(chaser, scale).tank.delta_v_m_s - chaser.tank.delta_v_m_s
+
+    def least_scale(self, moves: Moves) -> float | None:
+        """Least scale of the tank."""
+        if self._front(moves, LARGEST) is None:
+            return None
+        low, high = 1.0, LARGEST
+        full = self._mission.chaser.tank.delta_v_m_s
+        steps = math.ceil(math.log2(max(LARGEST * full / PRECISION_M_S, 2.0)))
+        for _ in range(steps):
+            middle = 0.5 * (low + high)
+            if self._front(moves, middle) is None:
+                low = middle
+            else:
+                high = middle
+        return high

@@ -1,5 +1,0 @@
-"""Raised to end a computation that was told to stop."""
-
-
-class TimeIsOver(Exception):
-    """An evaluation was interrupted."""

@@ -1,0 +1,106 @@
+"""Arguments and options of verbs: constructors by type, and those shared by several verbs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, TypeVar
+
+import click
+
+from . import complete
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def word(
+    sign: str, metavar: str, text: str, name: str = "", **more: Any
+) -> Callable[[Function], Function]:
+    """An option with a value; ``metavar`` describes it, and ``name`` is its parameter if given."""
+    names = (sign, name) if name else (sign,)
+    more.setdefault("shell_complete", complete.BY_METAVAR.get(metavar))
+    return click.option(*names, metavar=metavar, help=text, **more)
+
+
+number = partial(word, type=float)
+count = partial(word, type=int)
+many = partial(word, multiple=True)
+"""A repeatable option."""
+
+
+def file(sign: str, text: str, name: str = "", **more: Any) -> Callable[[Function], Function]:
+    """An option that names a file, as a plain string: errors are raised on reading or writing."""
+    return word(sign, "FILE", text, name, **more)
+
+
+def choice(
+    sign: str, values: Sequence[str], text: str, name: str = "", **more: Any
+) -> Callable[[Function], Function]:
+    """An option with one of some values."""
+    names = (sign, name) if name else (sign,)
+    return click.option(*names, type=click.Choice(values), help=text, **more)
+
+
+def flag(sign: str, text: str, name: str = "") -> Callable[[Function], Function]:
+    """An option without a value."""
+    return click.option(*((sign, name) if name else (sign,)), is_flag=True, help=text)
+
+
+def together(*options: Callable[[Any], Any]) -> Callable[[Function], Function]:
+    """Several options combined, in the order in which ``--help`` lists them."""
+
+    def add(function: Function) -> Function:
+        for option in reversed(options):
+            function = option(function)
+        return function
+
+    return add
+
+
+instance = click.argument("instance_path", metavar="INSTANCE", shell_complete=complete.files)
+plan = click.argument("plan_path", metavar="PLAN", shell_complete=complete.files)
+as_json = flag("--json", "Print one JSON object and nothing else.", name="as_json")
+cluster = word(
+    "--cluster", "dask://HOST:PORT", "Use the workers of a Dask scheduler instead of --jobs."
+)
+quiet = flag("--quiet", "No messages and no progress.")
+method = word(
+    "--method",
+    "NAME",
+    "Planner; 'methods' lists them and the default.",
+    shell_complete=complete.planners,
+)
+satcat = file("--satcat", "satcat.tsv of the General Catalog, for masses and sizes.", "satcat_path")
+measures = file(
+    "--table", "CSV file with columns object,mass,size, preferred to both.", "table_path"
+)
+activity = choice(
+    "--activity",
+    ("low", "mean", "high"),
+    "Solar activity, on which the density of the air depends.",
+    default="mean",
+    show_default=True,
+)
+exclude = many(
+    "--exclude", "PATTERN", "Names to leave out, such as satellites that dodge; repeatable."
+)
+skip_bad = flag("--skip-bad", "Skip bad rows, and count them.")
+seed = click.option(
+    "--seed", type=int, default=0, show_default=True, help="Same seed, same result."
+)
+
+
+def fitting_options(usual: str) -> Callable[[Function], Function]:
+    """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank by default."""
+    return together(
+        number("--delta-v", "M_S", f"ΔV of a full tank; {usual}."),
+        number("--dry-mass", "KG", "For a tank by mass: mass without propellant."),
+        number("--propellant", "KG", "For a tank by mass: propellant when full."),
+        number("--isp", "S", "For a tank by mass: specific impulse."),
+        count("--kits", "K", "Each target needs a kit; at most K aboard."),
+        number("--kit-mass", "KG", "Mass of a kit; default 0."),
+        number("--tow", "KG", "Mass of each target, which is to be towed."),
+        number(
+            "--disposal-altitude", "KM", "Altitude of the circular orbit that targets are towed to."
+        ),
+    )

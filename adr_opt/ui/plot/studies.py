@@ -1,0 +1,245 @@
+"""Charts of studies: trade-offs, designs, worth of removals, scenarios and rehearsals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...analysis.rehearse.rehearsals import Rehearsals
+from ...analysis.trade.axes import KINDS, AxisKind
+from ...common.constants import DAY_S
+from ...plan.palette import CHASERS
+from ...sources.worth import RemovalWorth
+from ...sources.worth.bodies import ends_km
+from .chart import Chart, ChartAxis, Line, Link, Marks, draw
+
+if TYPE_CHECKING:
+    from ...analysis.design.results import DesignStudy
+    from ...analysis.trade.points import Tradeoff
+
+
+def tradeoff_chart(made: Tradeoff, kind: str) -> Chart:
+    """Prizes of the best plans against a limit, with bands up to the bounds, or to all prizes.
+
+    There is a line for each combination of the values of the other axes.
+    """
+    along, others = KINDS[kind], [axis.kind for axis in made.axes if axis.kind != kind]
+    rows = made.along(kind)
+    most = math.fsum(target.greatest_prize for target in made.instance.targets)
+    lines = []
+    for at, (values, row) in enumerate(rows.items()):
+        pairs = zip(others, values, strict=True)
+        name = ", ".join(named(KINDS[other], value) for other, value in pairs)
+        there = [point for point in row if math.isfinite(point.prize)]
+        bounds = [point.upper_bound for point in there]
+        lines.append(
+            Line(
+                name=name if len(rows) > 1 else "plans, and up to the bound",
+                colour=CHASERS[at % len(CHASERS)],
+                width=2.0,
+                dots=True,
+                x=[point.value(kind) / along.scale for point in there],
+                y=[point.prize for point in there],
+                below=[bound if math.isfinite(bound) else most for bound in bounds],
+            )
+        )
+    return Chart(tuple(lines), ChartAxis(along.title), ChartAxis("prize"))
+
+
+def named(kind: AxisKind, value: float) -> str:
+    """A limit and its value."""
+    return f"{kind.name} {value / kind.scale:,g} {kind.unit}"
+
+
+def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
+    """Add prizes of the best plans, with a band up to the bounds; a line for each value of others.
+
+    Where nothing is proven the band reaches up to all prizes.
+
+    Parameters
+    ----------
+    made : Tradeoff
+    kind : {"delta-v", "propellant", "duration", "thrust", "isp"}, optional
+        What goes along the axis; the first that is varied by default.
+    """
+    return draw(ax, tradeoff_chart(made, kind or made.axes[0].kind))
+
+
+MILLION = 1e6
+
+FRONT, PLANS, BOUNDS = "Pareto front", "avoided by the plan of a design", "no plan avoids more"
+
+
+def anchor(at: int) -> str:
+    """Name of a design's section on a page, by its place in the study."""
+    return f"design-{at + 1}"
+
+
+def designs_chart(study: DesignStudy) -> Chart:
+    """Worth of the chosen sets against euros: a dot for each design, and one for its bound."""
+    points, front = study.points, study.front
+    there = [at for at, point in enumerate(points) if point.plan is not None]
+    euros = [points[at].euros / MILLION for at in there]
+    links = [Link(f"#{anchor(at)}", f"{at + 1}: {points[at].design.title}") for at in there]
+    series = (
+        Line(
+            name=FRONT,
+            colour=CHASERS[0],
+            width=2.0,
+            step=True,
+            x=[points[at].euros / MILLION for at in front],
+            y=[points[at].worth for at in front],
+        ),
+        Marks(
+            name=PLANS, colour=CHASERS[0], x=euros, y=[points[at].worth for at in there], of=links
+        ),
+        Marks(
+            name=BOUNDS,
+            colour=CHASERS[1],
+            symbol="circle-open",
+            size=7.0,
+            x=euros,
+            y=[points[at].bound for at in there],
+        ),
+    )
+    unit = study.rating.unit
+    return Chart(
+        series, ChartAxis("million euros"), ChartAxis(f"{unit} avoided" if unit else "prize")
+    )
+
+
+STEP_KM, HIGHEST_KM = 50.0, 2000.0
+"""Bands of mean altitude."""
+
+OBJECT_KINDS = ("rocket body", "payload", "debris")
+
+
+def worth_chart(worth: RemovalWorth) -> Chart:
+    """Sums of worths alone in bands of altitude, for each kind of object."""
+    bodies = worth.bodies
+    altitudes = np.array([sum(ends_km(record)) / 2.0 for record in bodies.records])
+    edges = np.arange(0.0, HIGHEST_KM + STEP_KM, STEP_KM)
+    lines = []
+    for kind, colour in zip(OBJECT_KINDS, CHASERS, strict=False):
+        own = np.array([each == kind for each in bodies.kinds])
+        sums = np.histogram(altitudes[own], edges, weights=worth.alone[own])[0]
+        first = int(np.argmax(edges >= 300.0))
+        lines.append(
+            Line(
+                name=kind,
+                colour=colour,
+                step=True,
+                x=edges[first:].tolist(),
+                y=[*sums[first:].tolist(), 0.0],
+            )
+        )
+    title = f"fragment-years by {STEP_KM:g} km"
+    return Chart(tuple(lines), ChartAxis("mean altitude [km]"), ChartAxis(title))
+
+
+CASES = {"without": "without removals", "with": "with removals"}
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def scenario_chart(told: Mapping[str, Any], name: str, title: str) -> Chart | None:
+    """A number of each year in both cases, with a band of one standard error; None if it is 0.
+
+    Parameters
+    ----------
+    told : mapping
+        The answer, see :func:`adr_opt.analysis.scenario.scenario_answer`.
+    name : str
+        Number of a year.
+    title : str
+        Of the axis; a power of ten is added where numbers are small.
+    """
+    largest = max(max(told[case][name]["mean"]) for case in CASES)
+    if largest <= 0.0:
+        return None
+    power = 0 if largest >= 1.0 else 3 * math.floor(math.log10(largest) / 3.0)
+    unit = 10.0**power
+    years = [float(year) for year in told["years"]]
+    lines = []
+    for (case, said), colour in zip(CASES.items(), CHASERS, strict=False):
+        mean = [value / unit for value in told[case][name]["mean"]]
+        error = told[case][name]["standard_error"]
+        if error is not None:
+            spread = [value / unit for value in error]
+            above = [m + e for m, e in zip(mean, spread, strict=True)]
+            below = [max(m - e, 0.0) for m, e in zip(mean, spread, strict=True)]
+            lines.append(Line(name=f"{said}, ± 1 σ", colour=colour, x=years, y=above, below=below))
+        lines.append(Line(name=said, colour=colour, x=years, y=mean))
+    if power:
+        title += " × 10" + str(power).translate(SUPERSCRIPTS)
+    return Chart(tuple(lines), ChartAxis("year"), ChartAxis(title))
+
+
+TIMES = 80
+"""Number of times at which quantiles are taken."""
+
+BANDS = ((0.05, 0.95), (0.25, 0.75))
+
+
+def prize_fan(made: Rehearsals) -> Chart:
+    """Prize collected over time: the plan, the median, and quantiles of all rehearsals."""
+    prizes = {target.name: target.prize for target in made.instance.targets}
+    planned, total = [(0.0, 0.0)], 0.0
+    for leg in sorted(made.plan.legs, key=lambda leg: leg.end_s):
+        total += prizes.get(leg.destination, 0.0)
+        planned.append((leg.end_s, total))
+    courses = [each.course for each in made.outcomes]
+    return _fan(made, courses, planned, "prize")
+
+
+def delta_v_fan(made: Rehearsals) -> Chart:
+    """ΔV of all legs over time."""
+    planned, total = [(0.0, 0.0)], 0.0
+    for leg in sorted(made.plan.legs, key=lambda leg: leg.arrival_s):
+        total += leg.delta_v_m_s
+        planned.append((leg.arrival_s, total))
+    return _fan(made, [each.spent for each in made.outcomes], planned, "ΔV of all legs [m/s]")
+
+
+def _fan(
+    made: Rehearsals,
+    courses: Sequence[Sequence[tuple[float, float]]],
+    planned: Sequence[tuple[float, float]],
+    title: str,
+) -> Chart:
+    times = np.linspace(0.0, made.instance.mission.duration_s, TIMES)
+    values = np.array([_at(course, times) for course in courses])
+    days = (times / DAY_S).tolist()
+    lines = [
+        Line(
+            name=f"{low:.0%} to {high:.0%} of rehearsals",
+            colour=CHASERS[0],
+            width=0.0,
+            x=days,
+            y=np.quantile(values, high, axis=0).tolist(),
+            below=np.quantile(values, low, axis=0).tolist(),
+        )
+        for low, high in BANDS
+    ]
+    lines.append(
+        Line(name="median", colour=CHASERS[0], x=days, y=np.median(values, axis=0).tolist())
+    )
+    lines.append(
+        Line(name="plan", colour=CHASERS[1], x=days, y=_at(planned, times).tolist(), step=True)
+    )
+    return Chart(tuple(lines), ChartAxis("days"), ChartAxis(title))
+
+
+def _at(
+    course: Sequence[tuple[float, float]], times: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """A course of steps at some times; 0 before its first."""
+    if not course:
+        return np.zeros(times.size)
+    whens, values = np.array(course, dtype=np.float64).T
+    before = np.searchsorted(whens, times, side="right")
+    return np.concatenate(([0.0], values))[before]

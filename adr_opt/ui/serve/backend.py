@@ -1,0 +1,216 @@
+"""The backend: editing session, dropped objects, jobs and results, as the page sees them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ...common.errors import InputError
+from ...common.files import read_text
+from ...common.json_text import parse_json
+from ...common.wording import counted
+from ...run.methods import BOUNDS, PLANNERS, names
+from ...run.run_options import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
+from .folder import archived
+from .forms.fields import form_fields
+from .jobs.queue import ANSWER, JobQueue
+from .jobs.verbs import VERBS
+from .objects.dropped import DroppedObjects
+from .objects.import_options import OPTIONS
+from .project.points import points_of
+from .project.private import passing, refuse_link
+from .project.record import ResultRecord
+from .requests import ChooseRequest, JobRequest, ShowRequest, WorthRequest
+from .session import EditingSession
+
+
+def choices() -> dict[str, Any]:
+    """Methods, bounds, options of an import, and verbs with theirs, as JSON data."""
+    return {
+        "methods": list(names(PLANNERS)),
+        "bounds": list(names(BOUNDS)),
+        "method": DEFAULT_METHOD,
+        "time_limit_s": DEFAULT_TIME_LIMIT_S,
+        "import": [option.to_dict() for option in OPTIONS],
+        "verbs": {name: verb.to_dict() for name, verb in VERBS.items()},
+    }
+
+
+class Backend:
+    """State shown and changed by the page.
+
+    Parameters
+    ----------
+    session : EditingSession
+    """
+
+    def __init__(self, session: EditingSession) -> None:
+        self.session = session
+        self.dropped = DroppedObjects(session)
+        self.queue = JobQueue(session, self.dropped)
+
+    @property
+    def results_revision(self) -> int:
+        """Counter of changes to what :meth:`results` gives."""
+        return self.session.results.revision
+
+    @property
+    def jobs_revision(self) -> int:
+        """Counter of changes to what :meth:`jobs` gives."""
+        return self.queue.revision
+
+    @property
+    def revision(self) -> int:
+        """Counter of changes to what :meth:`state` gives."""
+        return self.session.revision
+
+    def progress(self) -> dict[str, Any]:
+        """Progress of the planner, as JSON data."""
+        return self.session.progress().to_dict()
+
+    def choices(self) -> dict[str, Any]:
+        """Methods, bounds and verbs with their options, as JSON data."""
+        return choices()
+
+    def state(self) -> dict[str, Any]:
+        """The state, as JSON data."""
+        state = self.session.state()
+        plan = state["plan"]
+        return {
+            **state,
+            "stage": self._stage(state),
+            "project": {"name": self.name, "folder": state["folder"]},
+            "files": [
+                {
+                    "id": each.number,
+                    "name": each.name,
+                    "what": each.what,
+                    "count": each.count,
+                    "skipped": each.skipped,
+                    "bad": list(each.bad),
+                }
+                for each in self.session.files
+            ],
+            "notes": [] if plan is None else plan["notes"],
+        }
+
+    def _stage(self, state: dict[str, Any]) -> str:
+        if state["instance"] is not None:
+            return "mission"
+        return (
+            "objects" if any(each.what == "catalogue" for each in self.session.files) else "empty"
+        )
+
+    def objects(self) -> dict[str, Any]:
+        """Columns of the dropped catalogue, as JSON data."""
+        return self.dropped.columns()
+
+    def forms(self) -> list[dict[str, Any]]:
+        """Fields of forms, as JSON data."""
+        return form_fields()
+
+    def jobs(self) -> list[dict[str, Any]]:
+        """All jobs, as JSON data."""
+        return self.queue.rows()
+
+    def results(self) -> list[dict[str, Any]]:
+        """All results, newest last, as JSON data."""
+        return [record.row() for record in self.session.results.all()]
+
+    def close(self, seconds: float) -> bool:
+        """Stop all work; returns whether all is finished."""
+        self.queue.close()
+        return self.session.close(seconds)
+
+    @property
+    def name(self) -> str:
+        """Name of the project, as that of a file."""
+        return self.session.folder.path.name
+
+    def page(self, number: str) -> str:
+        """Page of a result, exactly as the verb has written it.
+
+        Raises
+        ------
+        InputError
+            There is no such result, or it has no page.
+        """
+        record = self._record(number)
+        if record.page is None:
+            raise InputError(f"result {record.number} ({record.verb}) has no page")
+        place = self.session.results.place(record.number)
+        return read_text(refuse_link(place / record.page))
+
+    def _record(self, number: str) -> ResultRecord:
+        digits = number.isascii() and number.isdigit() and len(number) <= 6
+        return self.session.results.record(int(number) if digits else 0)
+
+    def archive(self) -> Path:
+        """A temporary file with the whole project, zipped; the caller removes it.
+
+        Raises
+        ------
+        InputError
+            A file of the project is spoilt.
+        OSError
+            The archive cannot be written.
+        """
+        folder = self.session.folder
+        return archived(folder.path, folder.own(), passing(folder.path, ".zip"))
+
+    def temporary(self) -> Path:
+        """Path of a new temporary file for what is being uploaded."""
+        return passing(self.session.folder.path)
+
+    def drop(self, path: Path, name: str) -> dict[str, Any]:
+        """Take an uploaded file into the project; returns what it is, as JSON data."""
+        return self.dropped.drop(path, name)
+
+    def remove(self, number: int) -> None:
+        """Remove a dropped file from the project."""
+        self.dropped.remove(number)
+
+    def worth(self, request: WorthRequest) -> dict[str, Any]:
+        """Begin a job that computes the worth of the dropped objects."""
+        return self.begin(JobRequest(verb="worth", options={"years": request.years}))
+
+    def choose(self, request: ChooseRequest) -> dict[str, Any]:
+        """Make a mission of dropped objects; returns what became of them, as JSON data."""
+        made = self.dropped.mission(request.names, request.prizes, request.options)
+        words = f"{counted(len(made.instance.targets), 'target')} chosen"
+        self.session.begin_anew(made.instance, words)
+        return made.to_dict()
+
+    def begin(self, request: JobRequest) -> dict[str, Any]:
+        """Begin a job; returns its number as JSON data."""
+        return {"job": self.queue.begin(request)}
+
+    def stop(self, job: int) -> None:
+        """Stop a job."""
+        self.queue.stop(job)
+
+    def points(self, number: str) -> dict[str, Any]:
+        """Points of a trade-off, as JSON data.
+
+        Raises
+        ------
+        InputError
+            There is no such result, or it is none, or spoilt.
+        """
+        record = self._record(number)
+        if record.verb != "tradeoff":
+            raise InputError(f"result {record.number} ({record.verb}) is no trade-off")
+        place = self.session.results.place(record.number)
+        where = f"the answer of result {record.number}"
+        answer = parse_json(read_text(refuse_link(place / ANSWER)), where)
+        try:
+            return points_of(place, answer)
+        except (ValueError, LookupError, TypeError):
+            raise InputError(f"{where} is spoilt") from None
+
+    def show(self, request: ShowRequest) -> None:
+        """Show the plan of a result, or of a point of it."""
+        if request.point is None:
+            self.session.show(request.result)
+        else:
+            self.session.show_point(request.result, request.point)
