@@ -94,11 +94,11 @@ def of_tradeoff(made: Tradeoff) -> Card:
     )
     drives = [kind for kind in DRIVES if any(axis.kind == kind for axis in made.axes)]
 
-    def value(kind: str) -> Callable[[Point], str]:
+    def _value(kind: str) -> Callable[[Point], str]:
         return lambda point: f"{point.value(kind):g}"
 
     columns: dict[str, Callable[[Point], str]] = {
-        **{DRIVES[kind]: value(kind) for kind in drives},
+        **{DRIVES[kind]: _value(kind) for kind in drives},
         "ΔV m/s": lambda point: f"{point.delta_v_m_s:,.6g}",
         "days": lambda point: days(point.duration_s),
         "prize": lambda point: _prize(point.prize),

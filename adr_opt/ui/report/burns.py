@@ -176,7 +176,7 @@ def _table(caption: str, instance: Instance, plan: Plan, burns: Sequence[Reporte
     except InputError:  # times that no calendar has; the check says what is wrong with them
         calendar = [NOTHING] * len(burns)
 
-    def local(burn: ReportedBurn, axis: int) -> str:
+    def _local(burn: ReportedBurn, axis: int) -> str:
         return NOTHING if burn.local_m_s is None else fixed(burn.local_m_s[axis], 3)
 
     columns: list[Column | bool] = [
@@ -187,9 +187,9 @@ def _table(caption: str, instance: Instance, plan: Plan, burns: Sequence[Reporte
         ("time", "n", lambda at, burn, date: clock(burn.time_s)),
         ("UTC", "n", lambda at, burn, date: date[:19].replace("T", " ")),
         ("ΔV m/s", "n", lambda at, burn, date: fixed(burn.size_m_s, 3)),
-        ("radial", "n", lambda at, burn, date: local(burn, 0)),
-        ("along-track", "n", lambda at, burn, date: local(burn, 1)),
-        ("cross-track", "n", lambda at, burn, date: local(burn, 2)),
+        ("radial", "n", lambda at, burn, date: _local(burn, 0)),
+        ("along-track", "n", lambda at, burn, date: _local(burn, 1)),
+        ("cross-track", "n", lambda at, burn, date: _local(burn, 2)),
     ]
     items = zip(itertools.count(1), burns, calendar, strict=False)
     return table_of(caption, columns, items, lambda at, burn, date: f'data-of="{burn.leg}"')

@@ -81,13 +81,13 @@ Tell = Callable[[int, DesignPoint], str]
 def design_columns(study: DesignStudy) -> dict[str, Tell]:
     """Columns of a table of designs: what is varied, and results, as texts."""
 
-    def varied(at_axis: int) -> Tell:
+    def _varied(at_axis: int) -> Tell:
         return lambda at, point: shown(*point.design.values[at_axis])
 
     return {
         "design": lambda at, point: str(at + 1),
         **{
-            f"{axis.kind} {KINDS[axis.kind].unit}".rstrip(): varied(at_axis)
+            f"{axis.kind} {KINDS[axis.kind].unit}".rstrip(): _varied(at_axis)
             for at_axis, axis in enumerate(study.axes)
         },
         "planned": lambda at, point: figure(point.floor) if point.plan else NOTHING,
@@ -120,15 +120,15 @@ def _unit(study: DesignStudy) -> str:
 
 
 def _table(study: DesignStudy) -> str:
-    def linked(at: int, point: DesignPoint) -> str:
+    def _linked(at: int, point: DesignPoint) -> str:
         return f'<a href="#{anchor(at)}">{at + 1}</a>'
 
-    def escaped(tell: Tell) -> Tell:
+    def _escaped(tell: Tell) -> Tell:
         return lambda at, point: escape(tell(at, point))
 
-    texts = {title: escaped(tell) for title, tell in design_columns(study).items()}
+    texts = {title: _escaped(tell) for title, tell in design_columns(study).items()}
     columns: list[Column] = [
-        (title, "n", tell) for title, tell in (texts | {"design": linked}).items()
+        (title, "n", tell) for title, tell in (texts | {"design": _linked}).items()
     ]
     points = enumerate(study.points)
     return table_of("Designs", columns, points, lambda at, point: f'data-design="{at + 1}"')

@@ -121,11 +121,11 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
         + (", and the miss what another integrator finds." if flight else ".")
     )
 
-    def more(leg: RefinedLeg) -> str:
+    def _more(leg: RefinedLeg) -> str:
         off = leg.flown_delta_v_m_s - leg.planned_delta_v_m_s
         return ("+" if off > 0.0 else "") + fixed(off, 1)
 
-    def miss(leg: RefinedLeg, name: str) -> str:
+    def _miss(leg: RefinedLeg, name: str) -> str:
         flown = of_leg.get(leg.leg)
         if flown is None:
             return NOTHING
@@ -139,13 +139,13 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
         ("planned m/s", "n", lambda leg: fixed(leg.planned_delta_v_m_s, 1)),
         ("own burns m/s, stated", "n", lambda leg: fixed(leg.retargeted_delta_v_m_s, 1)),
         ("flown m/s", "n", lambda leg: fixed(leg.flown_delta_v_m_s, 1)),
-        ("more m/s", "n", more),
+        ("more m/s", "n", _more),
         ("burns", "n", lambda leg: str(len(leg.burns))),
         ("lowest km, stated", "n", lambda leg: fixed(leg.lowest_altitude_m / 1e3, 0)),
         ("residual m, stated", "n", lambda leg: _small(leg.residual_m)),
         ("residual m/s, stated", "n", lambda leg: _small(leg.residual_m_s)),
-        judged and ("miss m", "n", lambda leg: miss(leg, "miss_m")),
-        judged and ("miss m/s", "n", lambda leg: miss(leg, "miss_m_s")),
+        judged and ("miss m", "n", lambda leg: _miss(leg, "miss_m")),
+        judged and ("miss m/s", "n", lambda leg: _miss(leg, "miss_m_s")),
     ]
     legs = table_of("Refined legs", columns, ((leg,) for leg in refined.legs))
     missing = "".join(

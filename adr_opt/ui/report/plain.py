@@ -51,18 +51,18 @@ def table_of(
 ) -> str:
     """As :func:`.tables.table_of`, of texts; ``kind`` is the class of a row."""
 
-    def escaped(tell: Callable[..., object]) -> Callable[..., str]:
+    def _escaped(tell: Callable[..., object]) -> Callable[..., str]:
         return lambda *item: escape(tell(*item))
 
     texts = (
-        column if isinstance(column, bool) else (*column[:2], escaped(column[2]))
+        column if isinstance(column, bool) else (*column[:2], _escaped(column[2]))
         for column in columns
     )
 
-    def about(*item: Any) -> str:
+    def _about(*item: Any) -> str:
         return kind(*item) and f"class={kind(*item)}"
 
-    return tables.table_of(caption, texts, items, about)
+    return tables.table_of(caption, texts, items, _about)
 
 
 def page(over: str, title: str, under: str, sections: Iterable[str]) -> str:

@@ -115,14 +115,14 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     towed = any(leg.tow is not None for leg in plan.legs)
     in_days = any(max(pair) >= LONG_S for pair in lengths)
 
-    def told(duration_s: float) -> str:
+    def _told(duration_s: float) -> str:
         return fixed(duration_s / DAY_S, 2) if in_days else span(duration_s)
 
-    def refuels(leg: Leg) -> bool:
+    def _refuels(leg: Leg) -> bool:
         return leg.destination in instance.station_names
 
-    def prize(leg: Leg) -> str:
-        return "refuels" if refuels(leg) else _prize(targets.get(leg.destination), leg)
+    def _collected(leg: Leg) -> str:
+        return "refuels" if _refuels(leg) else _prize(targets.get(leg.destination), leg)
 
     unit = "d" if in_days else "h"
     columns: list[Column | bool] = [
@@ -131,26 +131,26 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         ("from → to", "", lambda at, leg: route_cell(leg.origin, leg.destination)),
         ("ready", "n", lambda at, leg: clock(leg.ready_s)),
         drifts and ("kind", "", lambda at, leg: leg.kind),
-        (f"wait {unit}", "n", lambda at, leg: told(leg.departure_s - leg.ready_s)),
+        (f"wait {unit}", "n", lambda at, leg: _told(leg.departure_s - leg.ready_s)),
         ("departure", "n", lambda at, leg: clock(leg.departure_s)),
         ("laps", "n", lambda at, leg: _laps(leg)),
         ("ΔV m/s", "n", lambda at, leg: fixed(leg.delta_v_m_s, 1)),
         drifts and ("burns m/s", "n", lambda at, leg: _burned(leg)),
         refined is not None
         and ("refined m/s", "n", lambda at, leg: fixed(flown[at], 1) if at in flown else NOTHING),
-        (f"flight {unit}", "n", lambda at, leg: told(leg.arrival_s - leg.departure_s)),
+        (f"flight {unit}", "n", lambda at, leg: _told(leg.arrival_s - leg.departure_s)),
         ("arrival", "n", lambda at, leg: clock(leg.arrival_s)),
         ("end", "n", lambda at, leg: clock(leg.end_s)),
         towed and ("tow until, m/s", "n", lambda at, leg: _towing(leg)),
         ("ΔV left m/s", "n", lambda at, leg: fixed(leg.delta_v_left_m_s, 1)),
         weighed and ("mass kg", "n", lambda at, leg: _kg(leg.mass_kg)),
-        ("prize", "n", lambda at, leg: prize(leg)),
+        ("prize", "n", lambda at, leg: _collected(leg)),
     ]
     return table_of(
         "Legs",
         columns,
         enumerate(plan.legs, start=1),
-        lambda at, leg: f'data-leg="{at}"{" class=refuels" if refuels(leg) else ""}',
+        lambda at, leg: f'data-leg="{at}"{" class=refuels" if _refuels(leg) else ""}',
     )
 
 
@@ -174,15 +174,15 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
     times = zip(instance.chasers, instance.available_s, strict=True)
     since = {chaser.name: begin for chaser, (begin, _) in times}
 
-    def dotted(name: str) -> str:
+    def _dotted(name: str) -> str:
         return f'<i class="dot" style="background:{colours[name]}"></i><b>{escape(name)}</b>'
 
-    def tanks(flown: Flown) -> str:
+    def _tanks(flown: Flown) -> str:
         by_tanks = by_tank([leg for _, leg in flown.legs], instance.station_names)
         return " + ".join(fixed(sum(leg.spent_m_s for leg in legs), 1) for legs in by_tanks)
 
     columns: list[Column | bool] = [
-        ("chaser", "", lambda name, flown: dotted(name)),
+        ("chaser", "", lambda name, flown: _dotted(name)),
         ("starts", "", lambda name, flown: escape(_where(flown.chaser, since[name]))),
         ("targets", "n", lambda name, flown: str(len(flown.legs) - flown.refuellings(instance))),
         bool(instance.stations)
@@ -191,7 +191,7 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
         refined is not None
         and ("refined m/s", "n", lambda name, flown: fixed(burned.get(name, 0.0), 1)),
         ("tank m/s", "n", lambda name, flown: number(flown.aboard(instance)[0].left_m_s, 1)),
-        ("tank by tank m/s", "n", lambda name, flown: tanks(flown) or NOTHING),
+        ("tank by tank m/s", "n", lambda name, flown: _tanks(flown) or NOTHING),
         (
             "leaves",
             "n",
@@ -211,7 +211,7 @@ def loads(instance: Instance, plan: Plan) -> str:
     if not (carries(instance) or by_expense):
         return ""
 
-    def numbers(flown: Flown) -> Iterator[str]:
+    def _numbers(flown: Flown) -> Iterator[str]:
         load = flown.carried(instance)
         yield from (_kg(load.mass_kg), str(load.kits), _kg(load.propellant_kg))
         yield from map(_kg, (load.used_kg, load.left_kg, load.end_mass_kg))
@@ -221,7 +221,7 @@ def loads(instance: Instance, plan: Plan) -> str:
 
     rows = []
     for flown in routes_of(instance, plan):
-        cells = [("n", text if flown.legs else NOTHING) for text in numbers(flown)]
+        cells = [("n", text if flown.legs else NOTHING) for text in _numbers(flown)]
         rows.append(row([("", f"<b>{escape(flown.chaser.name)}</b>"), *cells]))
     titles = ["mass at the start kg", "kits", "propellant kg", "used kg", "left kg"]
     titles += ["mass at the end kg", *(["least aboard kg", "expense"] if by_expense else [])]
@@ -280,22 +280,22 @@ def unvisited(instance: Instance, plan: Plan) -> str:
     bodies = {target.name: target for target in instance.targets}
     order = list(REASONS)
 
-    def orbit(target: Target | None, tell: Callable[[Orbit], str]) -> str:
+    def _orbit(target: Target | None, tell: Callable[[Orbit], str]) -> str:
         return "" if target is None or target.orbit is None else tell(target.orbit)
 
-    def altitude(of: Orbit) -> str:
+    def _altitude(of: Orbit) -> str:
         return fixed((of.semi_major_axis_m - EARTH_RADIUS_M) / 1000.0, 1)
 
     columns: list[Column] = [
         ("target", "", lambda entry, target: f"<b>{escape(entry.target)}</b>"),
         ("reason", "", lambda entry, target: REASON_TITLES[entry.reason]),
-        ("altitude km", "n", lambda entry, target: orbit(target, altitude)),
+        ("altitude km", "n", lambda entry, target: _orbit(target, _altitude)),
         (
             "inclination °",
             "n",
-            lambda entry, target: orbit(target, lambda of: fixed(of.inclination_deg, 2)),
+            lambda entry, target: _orbit(target, lambda of: fixed(of.inclination_deg, 2)),
         ),
-        ("RAAN °", "n", lambda entry, target: orbit(target, lambda of: fixed(of.raan_deg, 2))),
+        ("RAAN °", "n", lambda entry, target: _orbit(target, lambda of: fixed(of.raan_deg, 2))),
         ("prize", "n", lambda entry, target: number(target.greatest_prize, 3) if target else ""),
     ]
     left_out = sorted(plan.unvisited, key=lambda entry: order.index(entry.reason))

@@ -77,20 +77,20 @@ def section(instance: Instance, plan: Plan, drawn: tuple[DrawnArc, ...]) -> str:
             chasers.append((flown, ThrustTimes(*map(math.fsum, sums))))
             legs += [(at, flown.chaser.name, leg, times[at]) for at, leg in flown.legs]
 
-    def flies_s(flown: Flown) -> float:
+    def _flies_s(flown: Flown) -> float:
         return flown.end_s - (flown.legs[0][1].ready_s if flown.legs else 0.0)
 
-    def of_arcs(leg: Leg, tell: Callable[[LowThrustArc, LowThrustArc], str]) -> str:
+    def _of_arcs(leg: Leg, tell: Callable[[LowThrustArc, LowThrustArc], str]) -> str:
         arcs = leg.manoeuvres or ()
         return tell(*arcs) if len(arcs) == 2 else NOTHING
 
-    def arc(leg: Leg, which: int) -> str:
-        return of_arcs(leg, lambda *arcs: _days(arcs[which].end_s - arcs[which].start_s))
+    def _arc(leg: Leg, which: int) -> str:
+        return _of_arcs(leg, lambda *arcs: _days(arcs[which].end_s - arcs[which].start_s))
 
-    def height(at: int, leg: Leg) -> str:
+    def _height(at: int, leg: Leg) -> str:
         height_m = heights.get(at)
         shown = NOTHING if height_m is None else fixed(height_m / KM_M, 1)
-        return of_arcs(leg, lambda first, second: shown)
+        return _of_arcs(leg, lambda first, second: shown)
 
     by_chaser: list[Column] = [
         ("chaser", "", lambda flown, _: f"<b>{escape(flown.chaser.name)}</b>"),
@@ -99,31 +99,31 @@ def section(instance: Instance, plan: Plan, drawn: tuple[DrawnArc, ...]) -> str:
         ("thrust on d", "n", lambda _, times: _days(times.leg_on_s)),
         ("tows d", "n", lambda _, times: _days(times.tow_s)),
         ("tows, thrust on d", "n", lambda _, times: _days(times.tow_on_s)),
-        ("flies d", "n", lambda flown, _: _days(flies_s(flown))),
+        ("flies d", "n", lambda flown, _: _days(_flies_s(flown))),
     ]
     by_leg: list[Column] = [
         ("leg", "n", lambda at, name, leg, times: str(at)),
         ("chaser", "", lambda at, name, leg, times: escape(name)),
         ("from → to", "", lambda at, name, leg, times: route_cell(leg.origin, leg.destination)),
-        ("first arc d", "n", lambda at, name, leg, times: arc(leg, 0)),
+        ("first arc d", "n", lambda at, name, leg, times: _arc(leg, 0)),
         (
             "drift d",
             "n",
-            lambda at, name, leg, times: of_arcs(
+            lambda at, name, leg, times: _of_arcs(
                 leg, lambda first, second: _days(second.start_s - first.end_s)
             ),
         ),
-        ("at km", "n", lambda at, name, leg, times: height(at, leg)),
-        ("second arc d", "n", lambda at, name, leg, times: arc(leg, 1)),
+        ("at km", "n", lambda at, name, leg, times: _height(at, leg)),
+        ("second arc d", "n", lambda at, name, leg, times: _arc(leg, 1)),
         (
             "windows ±°",
             "n",
-            lambda at, name, leg, times: of_arcs(leg, lambda first, _: number(first.window_deg)),
+            lambda at, name, leg, times: _of_arcs(leg, lambda first, _: number(first.window_deg)),
         ),
         (
             "thrust on d",
             "n",
-            lambda at, name, leg, times: of_arcs(leg, lambda *arcs: _days(times.leg_on_s)),
+            lambda at, name, leg, times: _of_arcs(leg, lambda *arcs: _days(times.leg_on_s)),
         ),
         ("tow d", "n", lambda at, name, leg, times: _days(times.tow_s) if leg.tow else NOTHING),
         (

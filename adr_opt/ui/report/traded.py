@@ -92,10 +92,10 @@ def point_columns(tradeoff: Tradeoff) -> dict[str, Callable[[Point], str]]:
     """Columns of a table of points: of what is varied besides, and :data:`POINT_COLUMNS`."""
     kinds = {axis.kind for axis in tradeoff.axes}
 
-    def value(kind: str) -> Callable[[Point], str]:
+    def _value(kind: str) -> Callable[[Point], str]:
         return lambda point: number(point.value(kind), 4)
 
-    varied = {title: value(kind) for kind, title in VARIED.items() if kind in kinds}
+    varied = {title: _value(kind) for kind, title in VARIED.items() if kind in kinds}
     return varied | POINT_COLUMNS
 
 
