@@ -53,8 +53,8 @@ wheel: $(DEVELOPMENT) ## Build wheel and sdist in dist/, the wheel with its comp
 	$(BIN)/python bench/wheel.py --out dist
 
 bench: $(DEVELOPMENT) ## Measure the timetable and the planners (docs/benchmarks.md lists the rest)
-	$(BIN)/python bench/precompute.py
-	$(BIN)/python bench/planners.py nominal greedy greedy-guarded mcts beam auto@10
+	$(BIN)/python bench/scale.py timetable
+	$(BIN)/python bench/planners.py quality nominal greedy greedy-guarded mcts beam auto@10
 
 clean: ## Remove the virtual environment, caches of tools and written plans
 	rm -rf $(VENV) site build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -5,7 +5,7 @@
 The weights that come with the package are compared with those given, of
 ``bench/train_next_leg.py --variant``. Fields have other seeds than those by which weights were
 chosen there; one world a field. Without a plan, but for `planned`: with that of a beam, in the
-scenarios of ``bench/rehearse.py`` as well.
+scenarios of ``bench/rehearsals.py`` as well.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import argparse
 from machine import heading
 from next_leg.held import held_missions, means
 from next_leg.rivals import CheapestLegs
-from rehearse import SCENARIOS
+from rehearsals import SCENARIOS
 
 from adr_opt.learning.next_leg.scorer import LegScorer, load_scorer, shipped
 

@@ -4,19 +4,19 @@ Each defect is an edit of a good file; each door a verb. A cell is ``refused`` (
 sentence), ``stated`` (the verb goes on and says that the file is not legal, or its answer is no),
 ``silent`` or ``traceback``; the last two are faults of ours::
 
-    python bench/doors.py            # the tables of docs/judging.md
-    python bench/doors.py --count    # the counts alone
-    python bench/doors.py --cost     # what judging takes of a warm solve and of refine
+    python bench/doors.py defects             # the tables of docs/judging.md
+    python bench/doors.py defects --counts    # the counts alone
+    python bench/doors.py cost       # what judging takes of a warm solve and of refine
 """
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import io
 import json
 import os
 import statistics
+import sys
 import tempfile
 import time
 from collections import Counter
@@ -24,6 +24,8 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
+
+from tables import experiment, head, row
 
 import adr_opt
 from adr_opt.judge.admit import admit
@@ -266,29 +268,10 @@ def good_files(seed: int = 1) -> None:
     """Write a small mission and good files of it into the current folder."""
     instance = adr_opt.generate("tiny", seed).replace(dynamics="j2")
     instance.save("i.json")
-    assert (
-        command_line(
-            [
-                "solve",
-                "i.json",
-                "--method",
-                "exact",
-                "--time-limit",
-                "60",
-                "--out",
-                "p.json",
-                "--certificate",
-                "c.json",
-                "--no-fly",
-                "--quiet",
-            ]
-        )
-        == 0
-    )
-    assert (
-        command_line(["refine", "i.json", "p.json", "--out", "r.json", "--jobs", "1", "--quiet"])
-        == 0
-    )
+    solve = "solve i.json --method exact --time-limit 60 --out p.json --certificate c.json --no-fly"
+    refine = "refine i.json p.json --out r.json --jobs 1"
+    for words in (solve, refine):
+        assert command_line([*words.split(), "--quiet"]) == 0
     Path("u.json").write_text('{"format": "adr-opt-uncertainty/1"}', encoding="utf-8")
 
 
@@ -320,16 +303,12 @@ def cells(kind: str, *, every: int = 1) -> Iterator[tuple[str, str, str]]:
                 yield defect, door, outcome(arguments)
 
 
-def table(kind: str, found: dict[tuple[str, str], str]) -> str:
-    """The cells of a kind as a table in Markdown."""
+def print_table(kind: str, found: dict[tuple[str, str], str]) -> None:
+    """Print the cells of a kind."""
     _, edits, doors = KINDS[kind]
-    lines = [f"| {kind} | " + " | ".join(f"`{door}`" for door in doors) + " |"]
-    lines.append("|---" * (len(doors) + 1) + "|")
-    lines += [
-        f"| {defect} | " + " | ".join(found.get((defect, door), "legal") for door in doors) + " |"
-        for defect in edits
-    ]
-    return "\n".join(lines)
+    head(kind, *(f"`{door}`" for door in doors))
+    for defect in edits:
+        row(defect, *(found.get((defect, door), "legal") for door in doors))
 
 
 FIELDS = (("nominal", "two-body"), ("nominal", "j2"))
@@ -349,9 +328,8 @@ def _timed(work: Callable[..., Any], *given: Any) -> tuple[float, Any]:
 
 
 def cost() -> None:
-    """Print the time of judging as a share of planning and refining, one core, medians."""
-    print("| field | legs | solve s | judging s | share | refine s | judging s | share |")
-    print("|---|---|---|---|---|---|---|---|")
+    """What judging takes of planning and of refining, one core, medians."""
+    head("field", "legs", "solve s", "judging s", "share", "refine s", "judging s", "share")
     for family, dynamics in FIELDS:
         instance = adr_opt.generate(family, 0).replace(dynamics=dynamics)
         planning_s, result = _timed(adr_opt.solve, instance, "greedy-guarded")
@@ -359,38 +337,30 @@ def cost() -> None:
         judging_s, _ = _timed(admit, instance, plan)
         refining_s, refined = _timed(partial(adr_opt.refine, jobs=1), instance, plan)
         judged_s, _ = _timed(partial(admit, unjudged=True), instance, refined)
-        print(
-            f"| {family}, {dynamics} | {len(plan.legs)} | {planning_s:.3f} | {judging_s:.4f} | "
-            f"{judging_s / planning_s:.1%} | {refining_s:.2f} | {judged_s:.3f} | "
-            f"{judged_s / refining_s:.1%} |",
-            flush=True,
+        row(
+            f"{family}, {dynamics}",
+            len(plan.legs),
+            *(f"{planning_s:.3f}", f"{judging_s:.4f}", f"{judging_s / planning_s:.1%}"),
+            *(f"{refining_s:.2f}", f"{judged_s:.3f}", f"{judged_s / refining_s:.1%}"),
         )
 
 
-def main() -> None:
-    """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", action="store_true", help="print the counts alone")
-    parser.add_argument("--cost", action="store_true", help="print what judging takes")
-    asked = parser.parse_args()
-    if asked.cost:
-        cost()
-        return
+def defects(counts: bool = False) -> None:
+    """What each verb makes of each defect, or the counts alone."""
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         good_files()
         for kind in KINDS:
             found = {(defect, door): said for defect, door, said in cells(kind)}
-            if not asked.count:
-                print(table(kind, found), end="\n\n")
+            if not counts:
+                print_table(kind, found)
             counted = Counter(found.values())
             print(
-                f"{kind}: {len(found)} cells: "
-                + ", ".join(f"{count} {said}" for said, count in sorted(counted.items())),
-                end="\n\n",
+                f"\n{kind}: {len(found)} cells: "
+                + ", ".join(f"{count} {said}" for said, count in sorted(counted.items()))
             )
         os.chdir("/")
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(experiment(__doc__, defects, cost))

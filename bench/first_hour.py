@@ -1,7 +1,7 @@
-"""Measure what a new user waits for: installation, the first plan, a plan with nothing compiled.
+"""What a new user waits for: installation, the first plan, a plan with nothing compiled.
 
     python bench/first_hour.py                  # all rows; clones this checkout's last commit
-    python bench/first_hour.py --runs 5 cold import
+    python bench/first_hour.py cold import --runs 5
 
 `solve` is ``make solve`` in a fresh clone with an empty home; `cold` is `solve` by ``auto`` with an
 empty folder for kernels against one that has them; `wheel` the same from a wheel in an environment
@@ -11,20 +11,19 @@ medians of whole processes; the first plan is counted from the start of the proc
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
-import shutil
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from statistics import median
+from typing import Literal
 
-ROOT = Path(__file__).resolve().parents[1]
-NOMINAL = ROOT / "instances" / "nominal" / "nominal-000.json"
+from fields import INSTANCES, ROOT
+from tables import experiment, head, row, times_s
 
 FIRST_PLAN = """
 import json, sys, time
@@ -47,20 +46,18 @@ def alone() -> dict[str, str]:
 def first_plan(python: str, kept: Path, environment: dict[str, str]) -> tuple[float, float, float]:
     """Seconds to the first plan and to the last line, and those spent compiling."""
     began = time.time()
-    ran = subprocess.run(
-        [python, "-c", FIRST_PLAN, str(NOMINAL)],
-        check=True,
-        capture_output=True,
+    said = subprocess.check_output(
+        [python, "-c", FIRST_PLAN, str(INSTANCES / "nominal" / "nominal-000.json")],
         text=True,
         cwd=kept.parent,
         env=environment | {"ADR_OPT_CACHE_DIR": str(kept)},
     )
     whole = time.time() - began
-    found, compiling = json.loads(ran.stdout.splitlines()[-1])
+    found, compiling = json.loads(said.splitlines()[-1])
     return found - began, whole, compiling
 
 
-def make_solve(folder: Path, runs: int) -> list[str]:
+def make_solve(folder: Path, runs: int) -> Iterator[tuple[str, str]]:
     """``make solve`` in a fresh clone, with an empty home."""
     taken = []
     for run in range(runs):
@@ -69,66 +66,49 @@ def make_solve(folder: Path, runs: int) -> list[str]:
         home.mkdir()
         empty = {"HOME": str(home), "XDG_CACHE_HOME": str(home), "PYTHON": sys.executable}
         began = time.perf_counter()
-        call = ["make", "solve"]
-        subprocess.run(call, cwd=clone, check=True, capture_output=True, env=alone() | empty)
+        subprocess.check_output(["make", "solve"], cwd=clone, env=alone() | empty)
         taken.append(time.perf_counter() - began)
-        shutil.rmtree(clone)
-    return [f"| `make solve` in a fresh clone | {statistics.median(taken):.1f} s |"]
+    yield "`make solve` in a fresh clone", f"{median(taken):.1f} s"
 
 
-def cold(folder: Path, runs: int) -> list[str]:
+def cold(folder: Path, runs: int) -> Iterator[tuple[str, str]]:
     """A plan by ``auto`` with and without compiled kernels."""
     measured = []
     for run in range(runs):
-        kept = folder / f"kept-{run}"
-        here = sys.executable, kept, dict(os.environ)
+        here = sys.executable, folder / f"kept-{run}", dict(os.environ)
         measured.append((first_plan(*here), first_plan(*here)))
-    first, whole = (statistics.median(run[0][k] for run in measured) for k in range(2))
-    warm_first, warm = (statistics.median(run[1][k] for run in measured) for k in range(2))
-    ratio = statistics.median(run[0][1] / run[1][1] for run in measured)
-    return [
-        f"| first plan by `auto`, nothing compiled | {first:.1f} s |",
-        f"| first plan by `auto`, all compiled | {warm_first:.1f} s |",
-        f"| whole run, nothing compiled | {whole:.1f} s |",
-        f"| whole run, all compiled | {warm:.1f} s |",
-        f"| ratio of whole runs | {ratio:.1f} |",
-    ]
+    for at, what in enumerate(("first plan by `auto`", "whole run")):
+        for warm, state in enumerate(("nothing", "all")):
+            yield f"{what}, {state} compiled", f"{median(run[warm][at] for run in measured):.1f} s"
+    ratio = median(run[0][1] / run[1][1] for run in measured)
+    yield "ratio of whole runs", f"{ratio:.1f}"
 
 
-def wheel(folder: Path, runs: int) -> list[str]:
+def wheel(folder: Path, runs: int) -> Iterator[tuple[str, str]]:
     """A plan by ``auto`` from a wheel, in an environment of its own."""
-    subprocess.run(
-        [sys.executable, str(ROOT / "bench" / "wheel.py"), "--out", str(folder / "dist")],
-        check=True,
-        capture_output=True,
-    )
+    build = [sys.executable, str(ROOT / "bench" / "wheel.py"), "--out", str(folder / "dist")]
+    subprocess.check_output(build)
     (made,) = (folder / "dist").glob("*.whl")
     subprocess.run([sys.executable, "-m", "venv", str(folder / "venv")], check=True)
-    python = str(folder / "venv" / "bin" / "python")
-    constraints = str(ROOT / "constraints.txt")
+    python, constraints = str(folder / "venv/bin/python"), str(ROOT / "constraints.txt")
     install = [python, "-m", "pip", "install", "--quiet", "--constraint", constraints, str(made)]
     subprocess.run(install, check=True, env=alone())
     measured = [first_plan(python, folder / f"wheel-{run}", alone()) for run in range(runs)]
-    first, whole, compiling = (statistics.median(run[k] for run in measured) for k in range(3))
-    return [
-        f"| first plan by `auto` from a wheel, empty cache | {first:.1f} s |",
-        f"| whole run from a wheel, empty cache | {whole:.1f} s |",
-        f"| of that compiling | {compiling:.1f} s |",
-        f"| size of the wheel | {made.stat().st_size / 1e6:.1f} MB |",
-    ]
+    first, whole, compiling = (median(run[k] for run in measured) for k in range(3))
+    yield "first plan by `auto` from a wheel, empty cache", f"{first:.1f} s"
+    yield "whole run from a wheel, empty cache", f"{whole:.1f} s"
+    yield "of that compiling", f"{compiling:.1f} s"
+    yield "size of the wheel", f"{made.stat().st_size / 1e6:.1f} MB"
 
 
-def importing(folder: Path, runs: int) -> list[str]:
+def importing(folder: Path, runs: int) -> Iterator[tuple[str, str]]:
     """``import adr_opt`` in a process of its own."""
-    taken = []
-    for _ in range(3 * runs):
-        began = time.perf_counter()
-        subprocess.run([sys.executable, "-c", "import adr_opt"], check=True, cwd=folder)
-        taken.append(time.perf_counter() - began)
-    return [f"| `import adr_opt`, whole process | {statistics.median(taken):.2f} s |"]
+    command = [sys.executable, "-c", "import adr_opt"]
+    taken = times_s(lambda: subprocess.run(command, check=True, cwd=folder), 3 * runs)
+    yield "`import adr_opt`, whole process", f"{median(taken):.2f} s"
 
 
-ROWS: dict[str, Callable[[Path, int], list[str]]] = {
+ROWS: dict[str, Callable[[Path, int], Iterator[tuple[str, str]]]] = {
     "solve": make_solve,
     "cold": cold,
     "wheel": wheel,
@@ -136,24 +116,14 @@ ROWS: dict[str, Callable[[Path, int], list[str]]] = {
 }
 
 
-def main() -> int:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("rows", nargs="*", metavar="ROW", help=f"of {', '.join(ROWS)}; all")
-    parser.add_argument("--runs", type=int, default=3, help="runs of each, of which the median")
-    asked = parser.parse_args()
-    unknown = sorted(set(asked.rows) - set(ROWS))
-    if unknown:
-        parser.error(f"no such row: {', '.join(unknown)}")
-    print("| wait | time |\n|---|---|")
-    for name in asked.rows or ROWS:
-        folder = Path(tempfile.mkdtemp())
-        try:
-            print("\n".join(ROWS[name](folder, asked.runs)), flush=True)
-        finally:
-            shutil.rmtree(folder)
-    return 0
+def waits(*rows: Literal["solve", "cold", "wheel", "import"], runs: int = 3) -> None:
+    """Print some rows, or all."""
+    head("wait", "time")
+    for name in rows or ROWS:
+        with tempfile.TemporaryDirectory() as folder:
+            for each in ROWS[name](Path(folder), runs):
+                row(*each)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(experiment(__doc__, waits))

@@ -5,10 +5,10 @@
 
 Fields of the family nominal with seeds from 200 on, of which none was used in training, with more
 targets as told. ``known``: missions as planned. ``uncertain``: one world a field, the same for all,
-in the scenarios of ``bench/rehearse.py``, and in ``mixed``, where legs cost a factor of spread 0.1,
-services take one of spread 0.5, a try succeeds with a chance of 0.8 (two tries), and 5 % of the
-targets are gone. Greedy and beams are asked anew for every leg there, and keep the same reserve in
-their tanks as the learned policy does. "Cheapest leg, same guard" is the learned policy with the
+in the scenarios of ``bench/rehearsals.py``, and in ``mixed``, where legs cost a factor of spread
+0.1, services take one of spread 0.5, a try succeeds with a chance of 0.8 (two tries), and 5 % of
+the targets are gone. Greedy and beams are asked anew for every leg there, and keep the same reserve
+in their tanks as the learned policy does. "Cheapest leg, same guard" is the learned policy with the
 cost of a leg in place of the network. Policies "with a plan" begin with that of a beam of width 64
 on the timetable, whose time counts for everything.
 
@@ -34,7 +34,7 @@ from machine import heading
 from next_leg.claims import chance, chance_of_mean, holds, print_claims
 from next_leg.drawn import MIXED
 from next_leg.rivals import AskedAnew, CheapestLegs, beam_next, guarded_next, on_demand
-from rehearse import SCENARIOS
+from rehearsals import SCENARIOS
 
 import adr_opt
 from adr_opt.analysis.rehearse.flight import MissionPolicy, Situation, rehearsed

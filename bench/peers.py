@@ -1,163 +1,236 @@
-"""Side by side with the peers: PyVRP on a static relaxation, DIDPPy on a model in slots, and ours.
+"""Peers: other solvers on the same fields, and drawn orienteering with time windows.
 
-    python bench/peers.py --family nominal --count 4 --time-limit 10 --seed 0
-    python bench/peers.py --instances instances/nominal/nominal-000.json --peers didppy
-    python bench/peers.py --family campaign --count 5 --time-limit 60
+    python bench/peers.py fields --family nominal --count 4 --limit 10
+    python bench/peers.py fields --family campaign --count 5 --limit 60
+    python bench/peers.py windows --count 8 --limits 60 --pyvrp 20 --rows R/windows.jsonl
 
-Same instances, time limit, seed and cores. Every clock starts with a ready timetable; building a
-peer's model from it is not charged to the peer and is listed as "build". What a peer *promises* is
-the number of targets that its own model visits; what it *keeps* is left of that when the plan is
-timed exactly on the timetable and passes ``check``. Needs ``pip install -e '.[peers]'``.
-
-How each peer is used is said in ``contest/pyvrp_static.py`` and ``contest/ortools_static.py``,
-whose matrix is made of what ``--static`` says, and in ``contest/didppy_slots.py``.
-
-**Timing** a peer's order exactly. "as it is": the legal beginning of its order, its own refuelling
-stops included. "mended": the same order with and without its stops, with and without keeping the
-way to the station open; a move that is not legal is made after a refuelling stop, or else left
-out. The best of all these counts.
-
-**Several chasers** (family ``campaign``) are the vehicles of PyVRP and of OR-Tools' routing; what
-plans for one chaser is left out. Each one's order is timed by itself, and *gap* is how far a plan
-is from the best bound there is, of ``instances/best-known.csv`` or proven by one of our methods.
+Needs ``pip install -e '.[peers]'``.
 """
 
 from __future__ import annotations
 
-import argparse
+import csv
+import math
 import sys
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from statistics import mean
+from typing import Any, Literal, NamedTuple
 
-from contest.arguments import missions, parser_of, problems, require_positive
 from contest.didppy_slots import didppy_promise
+from contest.orienteering import KINDS, Places, by_pyvrp, collected, draw, instance_of
 from contest.ortools_static import ortools_promise
-from contest.promise import Promise, need, packages
+from contest.promise import STATISTICS, Promise, need
 from contest.pyvrp_static import pyvrp_promise
-from contest.static import STATISTICS, static_costs
-from contest.table import (
-    STATIC,
-    Row,
-    best_bounds,
-    checked,
-    legal,
-    legal_routes,
-    our_row,
-    peer_rows,
-    table,
-    timed,
-)
-from machine import heading
+from fields import best_known, ready
+from tables import experiment, head, kept, row, timed
 
 import adr_opt
-from adr_opt.common.errors import InputError
+from adr_opt.common.files import write_text
+from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.order_repair import as_it_is, mended
-from adr_opt.mission.problem import problem_of
+from adr_opt.mission.problem import Problem
 from adr_opt.run.methods import spec
 
-__all__ = [
-    "Promise",
-    "Row",
-    "as_it_is",
-    "best_bounds",
-    "checked",
-    "didppy_promise",
-    "legal",
-    "legal_routes",
-    "mended",
-    "missions",
-    "need",
-    "ortools_promise",
-    "our_row",
-    "packages",
-    "parser_of",
-    "peer_rows",
-    "pyvrp_promise",
-    "require_positive",
-    "static_costs",
-    "table",
-    "timed",
-]
-
-OURS = ("auto", "beam", "ortools")
-OTHERS = ("pyvrp", "didppy", "didppy-early")
-OF_CAMPAIGNS = ("pyvrp", "ortools")
-"""Peers by default, for one chaser and for several."""
+STATIC = {"pyvrp": ("PyVRP", pyvrp_promise), "ortools": ("OR-Tools routing", ortools_promise)}
+"""Peers that plan on static costs, with the names that they are shown by."""
 
 
-def able(ours: list[str], peers: list[str] | None, several: bool) -> tuple[list[str], list[str]]:
-    """Our methods and the peers to compare; where there are several chasers, those that can."""
-    if peers is None:
-        peers = list(OF_CAMPAIGNS if several else OTHERS)
-    if not several:
-        return ours, peers
-    ours_able = [name for name in ours if spec(name).several]
-    peers_able = [name for name in peers if name in STATIC]
-    left_out = [name for name in [*ours, *peers] if name not in {*ours_able, *peers_able}]
-    if left_out:
-        print(f"for one chaser, left out: {', '.join(left_out)}", file=sys.stderr)
-    return ours_able, peers_able
+class Result(NamedTuple):
+    """Result of a method on an instance; NaN for claims that it does not make."""
+
+    visits: float
+    promised: float
+    bound: float
+    build_s: float
+    solve_s: float
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Measure and print the table."""
-    require_positive(arguments)
-    fields = problems(arguments)
-    several = any(len(problem.missions) > 1 for problem in fields)
-    ours, others = able(arguments.ours, arguments.peers, several)
+def checked(problem: Problem, result: adr_opt.Result) -> float:
+    """The objective of a result whose plan ``check`` finds nothing wrong with."""
+    if result.plan is None:
+        return 0.0
+    violations = adr_opt.check(problem.instance, result.plan)
+    if violations:
+        raise RuntimeError(f"{result.method} on {problem.instance.name}: {violations[0]}")
+    return result.objective
+
+
+def kept_of(
+    problem: Problem, promise: Promise, follow: Callable[..., tuple[int, ...]], seed: int = 0
+) -> float:
+    """The objective of what is left of a promise when its routes are timed exactly in a way."""
+    pairs = zip(problem.missions, promise.routes, strict=True)
+    routes = [follow(mission, route) for mission, route in pairs]
+    return checked(problem, certify_routes(problem, "peer", routes, seed=seed, runtime_s=0.0))
+
+
+def promise_of(name: str, variant: str, problem: Problem, limit_s: float, seed: int) -> Promise:
+    """What a peer promises; the variant is a statistic, "early", or nothing."""
+    if name in STATIC:
+        _, plans = STATIC[name]
+        return plans(problem, time_limit_s=limit_s, seed=seed, statistic=variant)
+    (mission,) = problem.missions
+    return didppy_promise(mission, time_limit_s=limit_s, earlier_is_better=variant == "early")
+
+
+def fields(
+    family: str = "nominal",
+    instances: tuple[Path, ...] = (),
+    count: int = 4,
+    limit: float = 10.0,
+    seed: int = 0,
+    static: tuple[Literal[STATISTICS], ...] = ("mean", "best"),
+    peers: tuple[Literal["pyvrp", "ortools", "didppy", "didppy-early"], ...] | None = None,
+    ours: tuple[str, ...] = ("auto", "beam", "ortools"),
+) -> None:
+    """PyVRP and OR-Tools' routing on static costs, DIDPPy on a model in slots, and ours.
+
+    Same instances, time limit, seed and one core each. Every clock starts with a ready timetable;
+    building a peer's model from it is not charged to the peer and is listed as *build*. What a peer
+    *promises* is the number of targets that its own model visits; what it *keeps* is left of that
+    when the plan is timed exactly on the timetable and passes ``check``. How each peer is used is
+    said in ``contest/``.
+
+    *As it is*: the legal beginning of its order, its own refuelling stops included. *Mended*: the
+    same order with and without its stops, with and without keeping the way to the station open; a
+    move that is not legal is made after a refuelling stop, or else left out. The best of all these
+    counts.
+
+    Several chasers are the vehicles of PyVRP and of OR-Tools' routing; what plans for one chaser is
+    left out. Each one's order is timed by itself, and *gap* is how far a plan is from the best
+    bound there is, of ``instances/best-known.csv`` or proven by one of our methods.
+    """
+    given = [adr_opt.load(path) for path in instances]
+    given = given or [adr_opt.generate(family, number) for number in range(count)]
+    several = any(len(instance.chasers) > 1 for instance in given)
+    others = peers or (("pyvrp", "ortools") if several else ("pyvrp", "didppy", "didppy-early"))
+    if several:
+        ours = tuple(name for name in ours if spec(name).several)
+        others = tuple(name for name in others if name in STATIC)
     contests = []
     for name in others:
         package, _, variant = name.partition("-")
         need(package)
-        contests += [(package, one) for one in (arguments.static if name in STATIC else [variant])]
-    common = {"time_limit_s": arguments.time_limit, "seed": arguments.seed, "jobs": arguments.jobs}
-    warm = problem_of(adr_opt.generate("tiny", 0, chasers=2 if several else 1))
+        contests += [(package, one) for one in (static if package in STATIC else [variant])]
+    warm = ready(adr_opt.generate("tiny", 0, chasers=2 if several else 1))
     for name in ours:  # compile before the clock starts
         adr_opt.solve(warm, name, time_limit=20.0, iterations=3)
-    rows: list[Row] = []
-    for problem in fields:
-        for mission in problem.missions:
-            mission.rules  # noqa: B018  builds the timetable
+    rows: dict[str, list[Result]] = {}
+    bounds: list[float] = []
+    known = {each["sha256"]: each["upper_bound"] for each in best_known().values()}
+    for instance in given:
+        problem = ready(instance)
+        bounds.append(float(known.get(problem.sha256) or math.inf))
         for name in ours:
-            rows.append(our_row(name, problem, **common))
+            jobs = {"jobs": 1} if spec(name).uses_cores else {}
+            made, wall, _ = timed(
+                lambda: adr_opt.solve(problem, name, time_limit=limit, seed=seed, **jobs)  # noqa: B023
+            )
+            visits = checked(problem, made)
+            bounds[-1] = min(bounds[-1], made.upper_bound)
+            rows.setdefault(name, []).append(Result(visits, visits, made.upper_bound, 0.0, wall))
         for name, variant in contests:
-            rows += peer_rows(name, variant, problem, slot_s=arguments.slot, **common)
-        for row in rows:
-            if row.instance == problem.instance.name:
-                what = f"{row.instance} {row.method}"
-                print(f"{what}: {row.visits:g} of {row.promised:g} promised", file=sys.stderr)
-    print(heading())
-    packaged = dict.fromkeys(package for package, _ in contests)
-    print(
-        f"{packages(*packaged)}; time limit {arguments.time_limit:g} s, seed "
-        f"{arguments.seed}, {arguments.jobs} core(s); instances "
-        f"{', '.join(dict.fromkeys(row.instance for row in rows))}\n"
+            promise = promise_of(name, variant, problem, limit, seed)
+            shown = f"{STATIC[name][0]}, {variant}" if name in STATIC else "DIDPPy, 240 s"
+            shown += ", earlier is better" if variant == "early" else ""
+            for way, follow in (("as it is", as_it_is), ("mended", mended)):
+                visits = kept_of(problem, promise, follow, seed)
+                rows.setdefault(f"{shown}, {way}", []).append(Result(visits, *promise[1:5]))
+    used = dict.fromkeys(package for package, _ in contests)
+    packages = ", ".join(f"{package} {version(package)}" for package in used)
+    named = ", ".join(instance.name for instance in given)
+    print(f"{packages}; time limit {limit:g} s, seed {seed}, one core; instances {named}")
+    head(
+        *("method", "visits, mean", "visits by instance", "promised, mean", "kept", "bound, mean"),
+        *(["gap, mean"] if several else []),
+        *("build", "solve, max"),
     )
-    print(table(rows, best_bounds(rows, fields) if several else None))
+    for method, found in sorted(rows.items(), key=lambda item: -mean(r.visits for r in item[1])):
+        promised, bound = sum(r.promised for r in found), mean(r.bound for r in found)
+        gap = mean(1.0 - r.visits / most for r, most in zip(found, bounds, strict=True))
+        row(
+            method,
+            f"{mean(r.visits for r in found):.2f}",
+            " ".join(f"{r.visits:g}" for r in found),
+            f"{promised / len(found):.2f}",
+            f"{100.0 * sum(r.visits for r in found) / promised:.0f} %" if promised else "–",
+            f"{bound:.2f}{'†' * method.startswith('DIDPPy')}" if math.isfinite(bound) else "–",
+            *([f"{100.0 * gap:.1f} %" if all(map(math.isfinite, bounds)) else "–"] * several),
+            f"{mean(r.build_s for r in found):.1f} s",
+            f"{max(r.solve_s for r in found):.1f} s",
+        )
+    if any(method.startswith("DIDPPy") for method in rows):
+        print("\n† of the rounded model, no bound on the mission")
 
 
-def main() -> int:
-    """Command line; 2 if the call or the installation is wrong."""
-    parser = parser_of(__doc__, 10.0)
-    parser.add_argument(
-        "--static",
-        nargs="+",
-        default=["mean", "best"],
-        choices=STATISTICS,
-        help="what the matrix of PyVRP, and of OR-Tools, is made of",
-    )
-    parser.add_argument(
-        "--peers",
-        nargs="*",
-        choices=["pyvrp", "ortools", "didppy", "didppy-early"],
-        help=f"by default {', '.join(OTHERS)}; of several chasers {', '.join(OF_CAMPAIGNS)}",
-    )
-    parser.add_argument("--ours", nargs="*", default=list(OURS))
-    try:
-        run(parser.parse_args())
-    except InputError as error:
-        print(error, file=sys.stderr)
-        return 2
-    return 0
+def planned(places: Places, method: str, limit_s: float) -> dict[str, Any]:
+    """Plan a drawn instance within a limit; the plan is checked, and scored by the tour alone."""
+    instance = instance_of(places)
+    result = adr_opt.solve(instance, method, time_limit=limit_s)
+    prizes = 0.0
+    if result.plan is not None:
+        assert adr_opt.check(instance, result.plan) == ()
+        tour = [int(leg.destination[6:]) for leg in result.plan.legs if leg.destination[0] == "p"]
+        prizes = float(collected(places, tour))
+        assert prizes == result.objective
+    proven = result.status == "optimal"
+    bound = result.upper_bound if math.isfinite(result.upper_bound) else None
+    return {"prizes": prizes, "bound": bound, "proven": proven, "time_s": result.runtime_s}
+
+
+def windows(
+    kinds: tuple[Literal[KINDS], ...] = KINDS,
+    count: int = 2,
+    places: int = 100,
+    limits: tuple[float, ...] = (60.0,),
+    method: str = "auto",
+    pyvrp: float | None = None,
+    rows: Path | None = None,
+    keep: Path = Path(__file__).parent / "curves" / "windows.csv",
+) -> None:
+    """Drawn orienteering with time windows: plans and proofs against the best known.
+
+    Draws instances of each of four kinds and plans each within each limit. The best known prizes of
+    an instance are the largest of all that were found here, by PyVRP too, and kept in the table of
+    ``--keep``. Every plan passes ``check`` and is scored again by the tour alone. Rows that the
+    file of ``--rows`` has are not planned again.
+    """
+    best: dict[str, float] = {}
+    if keep.exists():
+        with keep.open(encoding="utf-8", newline="") as file:
+            best = {one["instance"]: float(one["prizes"]) for one in csv.DictReader(file)}
+    shown = [f"{method}, {limit:g} s" for limit in limits]
+    head("instance", "best known", *(["PyVRP"] if pyvrp else []), *shown)
+    found: dict[float, list[tuple[str, dict[str, Any]]]] = {limit: [] for limit in limits}
+    for kind, seed in ((kind, seed) for kind in kinds for seed in range(count)):
+        one = draw(kind, seed, places)
+        name, cells = f"{one.name}-{places}", list[str]()
+        if pyvrp:
+            key = {"instance": name, "method": "pyvrp", "limit_s": pyvrp}
+            others = kept(rows, key, lambda: {"prizes": float(by_pyvrp(one, pyvrp))})["prizes"]  # noqa: B023
+            best[name] = max(best.get(name, 0.0), others)
+            cells.append(f"{others:g}")
+        for limit in limits:
+            key = {"instance": name, "method": method, "limit_s": limit}
+            made = kept(rows, key, lambda: planned(one, method, limit))  # noqa: B023
+            found[limit].append((name, made))
+            best[name] = max(best.get(name, 0.0), made["prizes"])
+            bound = f"≤ {math.inf if made['bound'] is None else made['bound']:.0f}"
+            bound = "proven" if made["proven"] else bound
+            cells.append(f"{made['prizes']:g}, {bound}, {made['time_s']:.1f} s")
+        row(name, f"{best[name]:g}", *cells)
+        lines = [f"{known},{prizes:g}" for known, prizes in sorted(best.items())]
+        write_text(keep, "\n".join(["instance,prizes", *lines, ""]))
+    for limit, some in found.items():
+        behind = [100.0 * (1.0 - made["prizes"] / best[name]) for name, made in some]
+        print(
+            f"\n{method}, {limit:g} s: behind the best known by {mean(behind):.2f} % in the mean "
+            f"and {max(behind):.1f} % at most, {sum(made['proven'] for _, made in some)} of "
+            f"{len(some)} proven"
+        )
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(experiment(__doc__, fields, windows))

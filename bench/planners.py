@@ -1,36 +1,31 @@
-"""Quality of planners: means over fields, every plan checked, gaps where there is a bound.
+"""Planners: visits, bounds, gaps and times over fields, and runs that are stopped early.
 
-    python bench/planners.py nominal greedy greedy-guarded beam auto@10 auto@60 auto+lagrangian@60
-    python bench/planners.py campaign greedy-guarded auto@10 auto@60 auto@120 --chasers 5
-    python bench/planners.py removal auto@200 --count 10 --falls 2,1
+    python bench/planners.py quality nominal greedy greedy-guarded beam auto@10 exact@120
+    python bench/planners.py quality campaign greedy-guarded auto@60 --chasers 5
+    python bench/planners.py quality removal auto@200 --count 10 --falls 2,1
+    python bench/planners.py tenth --count 3 --limit 60
 
-A method is NAME[:OPTION=VALUE,…][+BOUND][@SECONDS]. The time limit starts with a ready timetable.
-Rows go to ``--out`` as JSON lines when they are finished, and a run started again skips what is
-there; the table is printed from these rows. ``--count`` fields of a family, by seed from 0;
-``--targets``, ``--chasers``, ``--stations``, ``--days`` and ``--dynamics`` change them. With
-``--falls`` a target is worth one prize after the other, in equal parts of the mission. Methods for
-one chaser are left out where there are several.
+A method is NAME[:OPTION=VALUE,…][+BOUND][@SECONDS]. Visits against time are those of
+``bench/time_quality.py``.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import resource
-import statistics
 import sys
-import time
 from pathlib import Path
-from typing import Any
+from statistics import mean, median
+from typing import Any, Literal, NamedTuple
 
-from falling_prizes import falling, numbers
-from machine import heading
+from contest.orienteering import KINDS, draw, instance_of
+from fields import falling, numbers, ready
+from tables import experiment, head, kept, row, timed
 
 import adr_opt
 from adr_opt import Instance, Plan
 from adr_opt.common.options import parsed
 from adr_opt.fly.flight import fly
-from adr_opt.mission.problem import Problem, problem_of
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import InstanceReference
 from adr_opt.run import methods as planner
 
@@ -70,149 +65,214 @@ def worst_miss_m(instance: Instance, plan: Plan) -> float:
     return worst
 
 
-def measure(
-    family: str, seed: int, spec: str, mission: Problem, plans: Path | None
-) -> dict[str, Any]:
-    """One plan: solved, checked, flown, and written into a folder if there is one."""
+def solved(problem: Problem, spec: str) -> tuple[adr_opt.Result, float]:
+    """The result of a method as typed, and its time by the clock [s]."""
     name, texts, bound, limit = parse(spec)
     options = options_of(name, texts)
-    began = time.perf_counter()
-    result = adr_opt.solve(mission, name, time_limit=limit, seed=0, bound=bound, **options)
-    wall = time.perf_counter() - began
-    assert result.plan is not None
+    result, wall, _ = timed(
+        lambda: adr_opt.solve(problem, name, time_limit=limit, seed=0, bound=bound, **options)
+    )
+    return result, wall
+
+
+def measured(problem: Problem, spec: str, plans: Path | None) -> dict[str, Any]:
+    """One plan: solved, checked, flown, and written into a folder if there is one."""
+    result, wall = solved(problem, spec)
+    plan = result.plan
+    assert plan is not None
     if plans is not None:
         plans.mkdir(parents=True, exist_ok=True)
-        result.plan.save(plans / f"{mission.instance.name}-{name}.json")
-    violations = adr_opt.check(mission.instance, result.plan)
-    miss = worst_miss_m(mission.instance, result.plan)
+        plan.save(plans / f"{problem.instance.name}-{parse(spec)[0]}.json")
     return {
-        "family": family,
-        "seed": seed,
-        "method": spec,
         "objective": result.objective,
-        "upper_bound": result.plan.upper_bound,
-        "gap": result.plan.gap,
+        "upper_bound": plan.upper_bound,
+        "gap": plan.gap,
         "status": result.status,
-        "delta_v_m_s": result.plan.delta_v_m_s,
+        "delta_v_m_s": plan.delta_v_m_s,
         "wall_s": wall,
-        "violations": len(violations),
-        "miss_m": miss,
+        "violations": len(adr_opt.check(problem.instance, plan)),
+        "miss_m": worst_miss_m(problem.instance, plan),
     }
 
 
-def table(rows: list[dict[str, Any]], methods: list[str]) -> str:
-    """Means over fields, one method to a line."""
-    lines = [
-        "| method | fields | visits, mean | min–max | bound, mean | gap, mean | proven | "
-        "time, median | max | violations | worst miss |",
-        "|---|---|---|---|---|---|---|---|---|---|---|",
+def _means(spec: str, rows: list[dict[str, Any]]) -> list[str]:
+    """The cells of a method: means over fields."""
+    values, walls, bounds, gaps = (
+        [each[name] for each in rows if each[name] is not None]
+        for name in ("objective", "wall_s", "upper_bound", "gap")
+    )
+    return [
+        spec,
+        str(len(rows)),
+        f"{mean(values):.2f}",
+        f"{min(values):g}–{max(values):g}",
+        f"{mean(bounds):.2f}" if len(bounds) == len(rows) else "",
+        f"{100 * mean(gaps):.2f} %" if len(gaps) == len(rows) else "",
+        str(sum(each["status"] == "optimal" for each in rows)),
+        f"{median(walls):.3g} s",
+        f"{max(walls):.3g} s",
+        str(sum(each["violations"] for each in rows)),
+        f"{max(each['miss_m'] for each in rows):.1e} m",
     ]
-    for spec in methods:
-        mine = [row for row in rows if row["method"] == spec]
-        if not mine:
-            continue
-        values = [row["objective"] for row in mine]
-        bounds = [row["upper_bound"] for row in mine if row["upper_bound"] is not None]
-        gaps = [row["gap"] for row in mine if row["gap"] is not None]
-        walls = [row["wall_s"] for row in mine]
-        lines.append(
-            f"| {spec} | {len(mine)} | {statistics.mean(values):.2f} | "
-            f"{min(values):g}–{max(values):g} | "
-            + (f"{statistics.mean(bounds):.2f}" if len(bounds) == len(mine) else "")
-            + " | "
-            + (f"{100 * statistics.mean(gaps):.2f} %" if len(gaps) == len(mine) else "")
-            + f" | {sum(row['status'] == 'optimal' for row in mine)} | "
-            f"{statistics.median(walls):.3g} s | {max(walls):.3g} s | "
-            f"{sum(row['violations'] for row in mine)} | "
-            f"{max(row['miss_m'] for row in mine):.1e} m |"
-        )
-    return "\n".join(lines)
 
 
-def main() -> None:
-    """Measure what is missing and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("family")
-    parser.add_argument("methods", nargs="+")
-    parser.add_argument("--count", type=int, default=20)
-    parser.add_argument("--targets", type=int)
-    parser.add_argument("--chasers", type=int)
-    parser.add_argument("--stations", type=int)
-    parser.add_argument("--days", type=float)
-    parser.add_argument("--dynamics", choices=["two-body", "j2"])
-    parser.add_argument("--falls", default="", help="prizes one after the other: 2,1")
-    parser.add_argument("--out", type=Path, help="JSON lines, appended to")
-    parser.add_argument("--plans", type=Path, metavar="FOLDER", help="where to keep the plans")
-    arguments = parser.parse_args()
-    family = arguments.family
-    if arguments.targets is not None:
-        family += f"-n{arguments.targets}"
-    if arguments.chasers is not None:
-        family += f"-c{arguments.chasers}"
-    if arguments.stations is not None:
-        family += f"-s{arguments.stations}"
-    if arguments.days is not None:
-        family += f"-{arguments.days:g}d"
-    if arguments.dynamics is not None:
-        family += f"-{arguments.dynamics}"
-    if arguments.falls:
-        family += f"-falling-{arguments.falls.replace(',', '-')}"
-    prizes = numbers(arguments.falls)
-    changes = {} if arguments.dynamics is None else {"dynamics": arguments.dynamics}
-    sizes = {name: getattr(arguments, name) for name in ("targets", "chasers", "stations")}
-    first = adr_opt.generate(arguments.family, 0, **sizes).replace(**changes)
-    methods = arguments.methods
-    if len(first.chasers) > 1:
-        methods = [spec for spec in methods if plans_campaigns(spec)]
-        left_out = [spec for spec in arguments.methods if spec not in methods]
-        if left_out:
-            print(f"for one chaser, left out: {', '.join(left_out)}", file=sys.stderr)
-    rows: list[dict[str, Any]] = []
-    if arguments.out and arguments.out.exists():
-        rows = [json.loads(line) for line in arguments.out.read_text().splitlines()]
-        rows = [row for row in rows if row["family"] == family]
-    done = {(row["seed"], row["method"]) for row in rows}
-    for spec in methods:  # compile before the clock starts
+def quality(
+    family: str,
+    *methods: str,
+    count: int = 20,
+    targets: int | None = None,
+    chasers: int | None = None,
+    stations: int | None = None,
+    days: float | None = None,
+    dynamics: Literal["two-body", "j2"] | None = None,
+    falls: str = "",
+    out: Path | None = None,
+    plans: Path | None = None,
+) -> None:
+    """Means over the fields of a family, every plan checked, gaps where there is a bound.
+
+    The time limit starts with a ready timetable. Rows go to ``--out`` as JSON lines when they are
+    finished, and a run started again skips what is there. ``--falls``: a target is worth one prize
+    after the other, in equal parts of the mission. Methods for one chaser are left out where there
+    are several.
+    """
+    sizes = {"targets": targets, "chasers": chasers, "stations": stations}
+    changes = {} if dynamics is None else {"dynamics": dynamics}
+    marks = [f"{name[0]}{value}" for name, value in sizes.items() if value is not None]
+    marks = [f"n{mark[1:]}" if mark[0] == "t" else mark for mark in marks]
+    marks += [] if days is None else [f"{days:g}d"]
+    marks += [] if dynamics is None else [dynamics]
+    marks += [f"falling-{falls.replace(',', '-')}"] if falls else []
+    whole = "-".join([family, *marks])
+
+    def field(seed: int) -> Instance:
+        instance = adr_opt.generate(family, seed, **sizes)
+        if days is not None:
+            instance = instance.with_limits(duration_s=86400.0 * days)
+            instance = instance.replace(name=f"{whole}-{seed:03d}")
+        return falling(instance.replace(**changes), numbers(falls))
+
+    first = field(0)
+    able = [spec for spec in methods if len(first.chasers) == 1 or plans_campaigns(spec)]
+    if left_out := sorted(set(methods) - set(able)):
+        print(f"for one chaser, left out: {', '.join(left_out)}", file=sys.stderr)
+    warm = adr_opt.generate("tiny", 0, chasers=min(2, len(first.chasers)))
+    for spec in able:  # compile before the clock starts
         name, texts, bound, _ = parse(spec)
-        options = options_of(name, texts)
-        warm = adr_opt.generate("tiny", 0, chasers=min(2, len(first.chasers)))
-        warm = warm.replace(dynamics=first.dynamics)
-        adr_opt.solve(warm, name, time_limit=20.0, iterations=3, bound=bound, **options)
+        adr_opt.solve(
+            warm.replace(dynamics=first.dynamics),
+            name,
+            time_limit=20.0,
+            iterations=3,
+            bound=bound,
+            **options_of(name, texts),
+        )
+    rows: dict[str, list[dict[str, Any]]] = {spec: [] for spec in able}
     built: list[tuple[float, float]] = []
-    for seed in range(arguments.count):
-        missing = [spec for spec in methods if (seed, spec) not in done]
-        if not missing:
-            continue
-        instance = adr_opt.generate(arguments.family, seed, **sizes)
-        if arguments.days is not None:
-            instance = instance.with_limits(duration_s=86400.0 * arguments.days)
-            instance = instance.replace(name=f"{family}-{seed:03d}")
-        problem = problem_of(falling(instance.replace(**changes), prizes))
-        began, spent = time.perf_counter(), time.process_time()
-        for mission in problem.missions:
-            mission.rules  # noqa: B018  builds the timetable
-        built.append((time.perf_counter() - began, time.process_time() - spent))
-        for spec in missing:
-            row = measure(family, seed, spec, problem, arguments.plans)
-            rows.append(row)
-            if arguments.out:
-                with arguments.out.open("a") as file:
-                    file.write(json.dumps(row) + "\n")
-            print(
-                f"{family}-{seed:03d} {spec}: {row['objective']:g} "
-                f"of {row['upper_bound']} {row['wall_s']:.2f} s",
-                file=sys.stderr,
+    for seed in range(count):
+        made: list[Problem] = []
+
+        def problem(seed: int = seed, made: list[Problem] = made) -> Problem:
+            if not made:
+                one, wall, spent = timed(lambda: ready(field(seed)))
+                made.append(one)
+                built.append((wall, spent))
+            return made[0]
+
+        for spec in able:
+            key = {"family": whole, "seed": seed, "method": spec}
+            one = kept(
+                out, key, lambda spec=spec, problem=problem: measured(problem(), spec, plans)
             )
-    rows = [row for row in rows if row["seed"] < arguments.count]
-    print(heading())
-    print(f"Family `{family}`, seeds 0–{arguments.count - 1}.\n")
-    print(table(rows, methods))
+            rows[spec].append(one)
+            print(f"{key} {one['objective']:g} of {one['upper_bound']}", file=sys.stderr)
+    print(f"Family `{whole}`, seeds 0–{count - 1}.")
+    head(
+        *("method", "fields", "visits, mean", "min–max", "bound, mean", "gap, mean", "proven"),
+        *("time, median", "max", "violations", "worst miss"),
+    )
+    for spec, found in rows.items():
+        row(*_means(spec, found))
     if built:
-        wall, spent = (statistics.median(times) for times in zip(*built, strict=True))
+        wall, spent = (median(times) for times in zip(*built, strict=True))
         print(f"\nTimetable besides: {wall:.2g} s, {spent:.2g} s on all cores, medians.", end="")
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     print(f"\nPeak memory of this process: {peak:.1f} GB.")
 
 
+class Stopped(NamedTuple):
+    """A field, planned twice.
+
+    Attributes
+    ----------
+    proven_s : float
+        Time of the proof [s].
+    optimum, stopped : float
+        Prizes of the proven plan, and after a tenth of the time.
+    """
+
+    proven_s: float
+    optimum: float
+    stopped: float
+
+
+def _planned(instance: Instance, limit_s: float) -> adr_opt.Result:
+    """A plan within a limit that starts with a ready timetable."""
+    result = adr_opt.solve(ready(instance), "auto", time_limit=limit_s)
+    assert result.plan is None or adr_opt.check(instance, result.plan) == ()
+    return result
+
+
+def stopped(instance: Instance, limit_s: float, least_s: float) -> Stopped | None:
+    """Plan a field twice; None where the proof takes too long, or hardly any time."""
+    whole = _planned(instance, limit_s)
+    if whole.status != "optimal" or whole.runtime_s < least_s:
+        return None
+    early = _planned(instance, 0.1 * whole.runtime_s)
+    return Stopped(whole.runtime_s, whole.objective, early.objective if early.plan else 0.0)
+
+
+def tenth(
+    families: tuple[str, ...] = (
+        *("nominal", "reduced-time", "rocket-bodies", "campaign", "removal"),
+        *KINDS,
+    ),
+    count: int = 5,
+    limit: float = 120.0,
+    least: float = 0.5,
+) -> None:
+    """Runs stopped at a tenth of the time of their proof: the share of the optimum that they have.
+
+    Plans fields by seed from 0 until they are proven, and again within a tenth of that time, from
+    nothing, both with a ready timetable. Families are those of ``generate`` and the kinds of drawn
+    orienteering. Fields that are not proven within ``--limit``, or within ``--least`` already, are
+    left out.
+    """
+    _planned(adr_opt.generate("tiny", 0), 5.0)  # compiles
+    head("family", "proven", "time, median", "share, mean", "share, least")
+    every: list[float] = []
+    for family in families:
+        tried = [
+            stopped(
+                instance_of(draw(family, seed, 100))
+                if family in KINDS
+                else adr_opt.generate(family, seed),
+                limit,
+                least,
+            )
+            for seed in range(count)
+        ]
+        found = [each for each in tried if each is not None]
+        shares = [each.stopped / each.optimum for each in found]
+        cells = ["–"] * 3
+        if found:
+            seconds = median(each.proven_s for each in found)
+            cells = [f"{seconds:.1f} s", f"{mean(shares):.1%}", f"{min(shares):.1%}"]
+        row(family, f"{len(found)} of {count}", *cells)
+        every += shares
+    if every:
+        print(f"\n{len(every)} fields: {mean(every):.1%} of the optimum in the mean")
+
+
 if __name__ == "__main__":
-    main()
+    sys.exit(experiment(__doc__, quality, tenth))

@@ -1,6 +1,4 @@
-"""A synthetic population of 20,000 objects in low orbits, as catalogue and satcat files.
-
-    python bench/population.py --out FOLDER
+"""A synthetic population of objects in low orbits, as catalogue and satcat files.
 
 Drawn, not copied: families of round numbers like those that public accounts give, with no object of
 a catalogue. `catalogue.csv` is OMM as CSV, `satcat.tsv` has columns of the General Catalog; some
@@ -9,7 +7,6 @@ masses are unknown there and some uncertain. The same seed gives the same files.
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 from pathlib import Path
@@ -88,40 +85,14 @@ UNKNOWN, UNCERTAIN = 0.05, 0.25
 
 EPOCH = "2026-01-01T00:00:00.000000"
 
-OMM_COLUMNS = (
-    "OBJECT_NAME",
-    "OBJECT_ID",
-    "EPOCH",
-    "MEAN_MOTION",
-    "ECCENTRICITY",
-    "INCLINATION",
-    "RA_OF_ASC_NODE",
-    "ARG_OF_PERICENTER",
-    "MEAN_ANOMALY",
-    "EPHEMERIS_TYPE",
-    "CLASSIFICATION_TYPE",
-    "NORAD_CAT_ID",
-    "ELEMENT_SET_NO",
-    "REV_AT_EPOCH",
-    "BSTAR",
-    "MEAN_MOTION_DOT",
-    "MEAN_MOTION_DDOT",
+OMM_HEADER = (
+    "OBJECT_NAME,OBJECT_ID,EPOCH,MEAN_MOTION,ECCENTRICITY,INCLINATION,RA_OF_ASC_NODE,"
+    "ARG_OF_PERICENTER,MEAN_ANOMALY,EPHEMERIS_TYPE,CLASSIFICATION_TYPE,NORAD_CAT_ID,ELEMENT_SET_NO,"
+    "REV_AT_EPOCH,BSTAR,MEAN_MOTION_DOT,MEAN_MOTION_DDOT\n"
 )
-
-SATCAT_COLUMNS = (
-    "JCAT",
-    "Satcat",
-    "Piece",
-    "Type",
-    "Name",
-    "Mass",
-    "MassFlag",
-    "DryMass",
-    "DryFlag",
-    "Length",
-    "LFlag",
-    "Diameter",
-    "DFlag",
+SATCAT_HEADER = (
+    "#JCAT\tSatcat\tPiece\tType\tName\tMass\tMassFlag\tDryMass\tDryFlag\tLength\tLFlag\tDiameter\t"
+    "DFlag\n# Updated 2026 Jan  1\n"
 )
 
 
@@ -129,21 +100,19 @@ def write_population(folder: Path, count: int = 20_000, seed: int = 0) -> tuple[
     """Write both files; returns their paths."""
     random = np.random.default_rng(seed)
     numbers = [round(count * family.share) for family in FAMILIES]
-    families = list(zip((*FAMILIES, OTHER), (*numbers, count - sum(numbers)), strict=True))
+    families = zip((*FAMILIES, OTHER), (*numbers, count - sum(numbers)), strict=True)
     catalogue, satcat = folder / "catalogue.csv", folder / "satcat.tsv"
     with (
         catalogue.open("w", newline="", encoding="utf-8") as rows,
         satcat.open("w", encoding="utf-8") as lines,
     ):
         writer = csv.writer(rows, lineterminator="\n")
-        writer.writerow(OMM_COLUMNS)
-        lines.write("#" + "\t".join(SATCAT_COLUMNS) + "\n# Updated 2026 Jan  1\n")
-        number = 10_000
-        for family, some in families:
-            for _ in range(some):
-                number += 1
-                writer.writerow(_elements(family, number, random))
-                lines.write("\t".join(_entry(family, number, random)) + "\n")
+        rows.write(OMM_HEADER)
+        lines.write(SATCAT_HEADER)
+        kinds = (family for family, some in families for _ in range(some))
+        for number, family in enumerate(kinds, 10_001):
+            writer.writerow(_elements(family, number, random))
+            lines.write("\t".join(_entry(family, number, random)) + "\n")
     return catalogue, satcat
 
 
@@ -158,27 +127,11 @@ def _elements(family: Family, number: int, random: np.random.Generator) -> list[
     eccentricity = min(random.exponential(family.eccentricity), most)
     inclination = min(max(random.normal(family.inclination_deg, family.tilt_deg), 0.5), 150.0)
     motion = math.sqrt(MU_M3_S2 / axis**3) * DAY_S / (2.0 * math.pi)
-    node, perigee, anomaly = random.uniform(0.0, 360.0, 3)
+    angles = [f"{angle:.4f}" for angle in random.uniform(0.0, 360.0, 3)]
     bstar = 0.05 * random.lognormal(0.0, 0.8) / 12.74 if family.kind == "D" else 1e-4
-    return [
-        family.name,
-        _designator(number),
-        EPOCH,
-        f"{motion:.8f}",
-        f"{eccentricity:.7f}",
-        f"{inclination:.4f}",
-        f"{node:.4f}",
-        f"{perigee:.4f}",
-        f"{anomaly:.4f}",
-        0,
-        "U",
-        number,
-        999,
-        1,
-        f"{bstar:.5e}",
-        0,
-        0,
-    ]
+    shape = f"{motion:.8f}", f"{eccentricity:.7f}", f"{inclination:.4f}", *angles
+    rest = 0, "U", number, 999, 1, f"{bstar:.5e}", 0, 0
+    return [family.name, _designator(number), EPOCH, *shape, *rest]
 
 
 def _entry(family: Family, number: int, random: np.random.Generator) -> list[str]:
@@ -191,34 +144,5 @@ def _entry(family: Family, number: int, random: np.random.Generator) -> list[str
             mass = "-"
         elif chance < UNKNOWN + UNCERTAIN:
             flag = "?"
-    return [
-        f"S{number:05d}",
-        f"{number:05d}",
-        _designator(number),
-        f"{family.kind:12s}",
-        family.name,
-        mass,
-        flag,
-        mass,
-        flag,
-        lengths[0],
-        " ",
-        lengths[1],
-        " ",
-    ]
-
-
-def main() -> None:
-    """Write the files."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=Path, required=True, help="folder to write to")
-    parser.add_argument("--count", type=int, default=20_000)
-    parser.add_argument("--seed", type=int, default=0)
-    call = parser.parse_args()
-    call.out.mkdir(parents=True, exist_ok=True)
-    for path in write_population(call.out, call.count, call.seed):
-        print(path)
-
-
-if __name__ == "__main__":
-    main()
+    named = f"S{number:05d}", f"{number:05d}", _designator(number), f"{family.kind:12s}"
+    return [*named, family.name, mass, flag, mass, flag, lengths[0], " ", lengths[1], " "]

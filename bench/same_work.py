@@ -10,13 +10,14 @@ counters and certificate. With ``--against``, the status is 1 where a line diffe
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+
+from tables import experiment
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -80,31 +81,26 @@ def _digest(what: Any) -> str:
     return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def main() -> int:
-    """Print the lines, and what differs from those before."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("families", nargs="*", default=[], help="by default all")
-    parser.add_argument("--out", type=Path, help="where to write the lines")
-    parser.add_argument("--against", type=Path, help="lines of another commit")
-    arguments = parser.parse_args()
-    before = json.loads(arguments.against.read_text()) if arguments.against else {}
-    found, same = {}, 0
-    for name, line in lines(arguments.families or list(FIELDS)):
+def same(*families: str, out: Path | None = None, against: Path | None = None) -> int:
+    """Print the lines of some families, or all, and what differs from those of another commit."""
+    before = json.loads(against.read_text()) if against else {}
+    found, equal = {}, 0
+    for name, line in lines(list(families or FIELDS)):
         found[name] = line
         was = before.get(name)
-        same += was == line
+        equal += was == line
         told = "" if not before else "same" if was == line else f"before: {was}"
         print(
             f"{name:28} {line['plan']} {line['objective']:g} of {line['upper_bound']}, "
             f"{line['counters'].get('labels', 0):,.0f} labels  {told}",
             flush=True,
         )
-    if arguments.out:
-        arguments.out.write_text(json.dumps(found, indent=1) + "\n")
-    if arguments.against:
-        print(f"{same} of {len(found)} are the same")
-    return int(bool(before) and same < len(found))
+    if out:
+        out.write_text(json.dumps(found, indent=1) + "\n")
+    if against:
+        print(f"{equal} of {len(found)} are the same")
+    return int(bool(before) and equal < len(found))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(experiment(__doc__, same))

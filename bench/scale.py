@@ -1,127 +1,154 @@
-"""Growth of plans, time and memory with the number of targets.
+"""Size: timetables, first bounds, and growth of plans, time and memory with the number of targets.
 
-    python bench/scale.py                                     # nominal, 50 to 10,000 targets
-    python bench/scale.py --targets 50 500 --limit 20 --seeds 3
-    python bench/scale.py --dense --targets 200 500           # against the table of all pairs
-    python bench/scale.py --family large --targets 200 --limit 600                   # 30 days
-    python bench/scale.py --family large --targets 1500 --chasers 2
-
-Every run is a process of its own: drawn, planned by `auto` within the limit, and checked. *Near* is
-for how many destinations of each body the timetable has room and time, or at how many planners look
-that ask for rows on demand; *bound* is what no plan is
-worth more than, of all pairs, and *gap* how far below it the plan is; *all s* is everything from
-the instance file on. Exponents are those of the line through all points from 1,000 targets on (of
-logarithms). With `--dense` the same limit is spent on the table of all pairs, as far as it goes.
+python bench/scale.py timetable
+python bench/scale.py targets                             # nominal, 50 to 10,000 targets
+python bench/scale.py targets --dense --targets 200 500   # against the table of all pairs
+python bench/scale.py targets --family large --targets 1500 --chasers 2
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 import resource
-import statistics
 import subprocess
 import sys
-import tempfile
 import time
-from pathlib import Path
+from statistics import fmean, median
 
 import numpy as np
-from machine import heading
+from fields import INSTANCES
+from tables import alone, experiment, head, row, times_s
 
 import adr_opt
+from adr_opt.common.processors import usable_cores
+from adr_opt.common.progress import silent
+from adr_opt.common.stop import MaxIterations
 from adr_opt.mission.problem import Problem
 from adr_opt.run.table_budget import looked_at
-
-SIZES = (50, 100, 200, 500, 1000, 2000, 5000, 10_000)
-FROM = 1000
-"""Exponents are read from here on: smaller fields have the table of all pairs."""
+from solvers.progress.gap import GapTracker
+from solvers.proof.proof import Proof, ProofOptions
 
 
-def measure(file: Path, limit_s: float, dense: bool) -> dict[str, float]:
+def first_bound(mission: adr_opt.Mission, jobs: int) -> float:
+    """The first bound of a proof, with the usual options."""
+    certificate = GapTracker(mission, silent)
+    proof = Proof(mission, certificate, MaxIterations(1), ProofOptions(jobs=jobs))
+    proof.begin()
+    proof.close()
+    return certificate.bound
+
+
+def _spread(what: str, times: list[float], unit: str = "s", scale: float = 1.0) -> None:
+    """A row with least, median and greatest of some times."""
+    least, most = min(times), max(times)
+    row(what, *(f"{scale * each:.3g} {unit}" for each in (least, median(times), most)))
+
+
+def timetable(runs: int = 9) -> None:
+    """Speed of timetable, greedy plan and first bound, on one core and on all, and of processes.
+
+    Medians of several runs in one process after a warm-up.
+    """
+    instance = adr_opt.generate("nominal", 0)
+    built = adr_opt.Timetable(instance)
+    cores, entries = usable_cores(), built.entries
+    head("work", "min", "median", "max")
+    one, many = (
+        times_s(lambda jobs=jobs: adr_opt.Timetable(instance, jobs), runs) for jobs in (1, cores)
+    )
+    for name, times in ((f"{entries} entries, 1 core", one), (f"the same, {cores} cores", many)):
+        least_median_most = min(times), median(times), max(times)
+        cells = (f"{t:.3f} s ({t / entries * 1e6:.3f} µs/entry)" for t in least_median_most)
+        row(f"timetable, {name}", *cells)
+    row(f"speed-up on {cores} cores", "", f"{median(one) / median(many):.2f} ×", "")
+    mission = adr_opt.Mission(instance, built)
+    mission.rules  # noqa: B018  the arrays of the rules are part of a ready timetable
+    plans = [adr_opt.solve(mission, "greedy").runtime_s for _ in range(runs)]
+    _spread("greedy sequence from a ready timetable", plans, "ms", 1e3)
+    whole = times_s(lambda: adr_opt.solve(mission, "greedy"), runs)
+    _spread("the same with legs, burns and reasons", whole, "ms", 1e3)
+    for jobs in dict.fromkeys((1, cores)):
+        times = times_s(lambda jobs=jobs: first_bound(mission, jobs), runs)
+        on = "1 core" if jobs == 1 else f"{jobs} cores"
+        bound = f"{first_bound(mission, jobs):g}"
+        _spread(f"first bound of {bound} from a ready timetable, {on}", times)
+    file = str(INSTANCES / "nominal" / "nominal-000.json")
+    for name, words in (
+        ("import adr_opt", ["-c", "import adr_opt"]),
+        ("solve --method greedy", ["-m", "adr_opt", "solve", file, "--method", "greedy"]),
+    ):
+        command = [sys.executable, *words]
+        times = times_s(
+            lambda command=command: subprocess.run(command, check=True, capture_output=True), 5
+        )
+        _spread(f"process: {name}", times)
+
+
+def _measured(
+    family: str, seed: int, sizes: dict[str, int], limit_s: float, dense: bool
+) -> dict[str, float]:
     """Plan one instance, and say what it took."""
     # What is compiled on first use is not measured.
     adr_opt.solve(adr_opt.generate("tiny", 0), "auto", iterations=2)
+    instance = adr_opt.generate(family, seed, **sizes)
     began = time.perf_counter()
-    instance = adr_opt.load(file)
     problem = Problem(instance)
     if dense:
         problem.build(None)
-    spent = time.perf_counter() - began if dense else 0.0
+    spent = time.perf_counter() - began
     result = adr_opt.solve(problem, "auto", time_limit=max(1.0, limit_s - spent))
-    wall = time.perf_counter() - began
-    violations = 1 if result.plan is None else len(adr_opt.check(instance, result.plan))
     return {
+        "wall_s": time.perf_counter() - began,
         "near": looked_at(problem.missions[0].timetable),
         "visits": result.objective,
         "bound": result.upper_bound,
-        "wall_s": wall,
         "memory_gib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
-        "violations": violations,
+        "violations": 1 if result.plan is None else len(adr_opt.check(instance, result.plan)),
     }
 
 
-def generated(family: str, seed: int, targets: int, chasers: int) -> adr_opt.Instance:
-    """A field of a family, with other numbers of targets and of chasers."""
+def targets(
+    family: str = "nominal",
+    targets: tuple[int, ...] = (50, 100, 200, 500, 1000, 2000, 5000, 10_000),
+    chasers: int = 1,
+    limit: float = 60.0,
+    seeds: int = 1,
+    dense: bool = False,
+) -> None:
+    """Growth of plans, time and memory with the number of targets.
+
+    Every run is a process of its own: drawn, planned by `auto` within the limit, and checked.
+    *Near* is for how many destinations of each body the timetable has room and time, or at how many
+    planners look that ask for rows on demand; *bound* is what no plan is worth more than, of all
+    pairs, and *gap* how far below it the plan is; *all s* is everything from the instance on.
+    Exponents are those of the line through all points from 1,000 targets on (of logarithms). With
+    `--dense` the same limit is spent on the table of all pairs, as far as it goes.
+    """
+    head("targets", "near", "visits", "bound", "gap", "all s", "GiB", "violations")
     several = {"chasers": chasers} if chasers > 1 else {}
-    return adr_opt.generate(family, seed, targets=targets, **several)
-
-
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--family", default="nominal")
-    parser.add_argument("--targets", type=int, nargs="+", default=list(SIZES))
-    parser.add_argument("--chasers", type=int, default=1)
-    parser.add_argument("--limit", type=float, default=60.0)
-    parser.add_argument("--seeds", type=int, default=1)
-    parser.add_argument("--dense", action="store_true")
-    parser.add_argument("--one", type=Path, help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
-    if arguments.one:
-        print(json.dumps(measure(arguments.one, arguments.limit, arguments.dense)))
-        return
-    print(f"{heading()}\n\n| targets | near | visits | bound | gap | all s | GiB | violations |")
-    print("|---|---|---|---|---|---|---|---|")
-    rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        for count in arguments.targets:
-            found = []
-            for seed in range(arguments.seeds):
-                file = Path(folder) / "instance.json"
-                generated(arguments.family, seed, count, arguments.chasers).save(file)
-                command = [
-                    sys.executable,
-                    __file__,
-                    "--one",
-                    str(file),
-                    "--limit",
-                    str(arguments.limit),
-                ]
-                if arguments.dense:
-                    command.append("--dense")
-                answer = subprocess.run(command, check=True, capture_output=True, text=True)
-                found.append(json.loads(answer.stdout.splitlines()[-1]))
-            mean = {key: statistics.fmean(each[key] for each in found) for key in found[0]}
-            bound, gap = "–", "–"
-            if math.isfinite(mean["bound"]):
-                bound = f"{mean['bound']:.1f}"
-                gap = f"{100.0 * (1.0 - mean['visits'] / mean['bound']):.1f} %"
-            print(
-                f"| {count} | {mean['near']:.0f} | {mean['visits']:.1f} | {bound} | {gap} "
-                f"| {mean['wall_s']:.1f} | {mean['memory_gib']:.2f} "
-                f"| {sum(each['violations'] for each in found):.0f} |",
-                flush=True,
-            )
-            rows.append((count, mean))
-    large = [(count, mean) for count, mean in rows if count >= FROM]
+    large = []
+    for count in targets:
+        sizes = {"targets": count, **several}
+        found = [alone(_measured, family, seed, sizes, limit, dense) for seed in range(seeds)]
+        of = {key: fmean(each[key] for each in found) for key in found[0]}
+        bounded = math.isfinite(of["bound"])
+        row(
+            count,
+            f"{of['near']:.0f}",
+            f"{of['visits']:.1f}",
+            f"{of['bound']:.1f}" if bounded else "–",
+            f"{100.0 * (1.0 - of['visits'] / of['bound']):.1f} %" if bounded else "–",
+            f"{of['wall_s']:.1f}",
+            f"{of['memory_gib']:.2f}",
+            f"{sum(each['violations'] for each in found):.0f}",
+        )
+        large += [(count, of)] if count >= 1000 else []
     if len(large) > 1:
         counts = np.log([count for count, _ in large])
         for key in ("wall_s", "memory_gib", "visits"):
-            slope = np.polyfit(counts, np.log([mean[key] for _, mean in large]), 1)[0]
-            print(f"\n{key} grows as targets^{slope:.2f} from {FROM} targets on")
+            slope = np.polyfit(counts, np.log([of[key] for _, of in large]), 1)[0]
+            print(f"\n{key} grows as targets^{slope:.2f} from 1000 targets on")
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(experiment(__doc__, timetable, targets))

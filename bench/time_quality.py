@@ -13,7 +13,6 @@ of `run_all.py`.
 
 from __future__ import annotations
 
-import argparse
 import math
 import os
 import sys
@@ -21,9 +20,12 @@ from pathlib import Path
 
 import run_all
 from harness.report.model import read
-from harness.report.quality import Spot, draw, read_table, spots, write_table
+from harness.report.quality import draw as draw_spots
+from harness.report.quality import read_table, spots, write_table
 from harness.results import path_in
-from machine import heading
+from tables import experiment, head, row
+
+from adr_opt.common.errors import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = ROOT / "docs" / "pictures" / "time-quality.svg"
@@ -59,73 +61,41 @@ METHODS = (
 )
 
 
-def lines(found: list[Spot]) -> list[str]:
-    """The table of the chart."""
-    out = [
-        "| method | fields | visits, mean ± 95 % | proven | time of processors | by the clock |",
-        "|---|---|---|---|---|---|",
-    ]
-    for spot in found:
-        half = "" if math.isnan(spot.half_width) else f" ± {spot.half_width:.2f}"
-        out.append(
-            f"| `{spot.method}` | {spot.fields} | {spot.visits:.2f}{half} | {spot.proven} | "
-            f"{spot.seconds:.3g} s | {spot.wall_s:.3g} s |"
-        )
-    return out
-
-
-def main() -> int:
-    """Plan what is missing, draw, and print."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--suite", default="nominal", help="a family [nominal]")
-    parser.add_argument("--cases", type=int, default=5, help="fields, by seed from 0 [5]")
-    parser.add_argument("--methods", default=",".join(METHODS), help="as run_all.py takes them")
-    parser.add_argument("--out", type=Path, help="folder of the rows")
-    parser.add_argument("--report-only", action="store_true", help="plan nothing")
-    parser.add_argument("--draw", action="store_true", help="draw the committed table again")
-    parser.add_argument("--picture", type=Path, default=PICTURE)
-    parser.add_argument("--table", type=Path, default=TABLE)
-    arguments = parser.parse_args()
-    status, suite = 0, arguments.suite
-    if not arguments.draw:
-        if arguments.out is None:
-            parser.error("say with --out where rows are kept, or --draw")
-        if not arguments.report_only:
-            status = run_all.main(
-                [
-                    "--suite",
-                    suite,
-                    "--cases",
-                    str(arguments.cases),
-                    "--iterations",
-                    "1",
-                    "--zones",
-                    "0",
-                    "--jobs",
-                    "1",
-                    "--methods",
-                    arguments.methods,
-                    "--no-report",
-                    "--out",
-                    str(arguments.out),
-                ]
-            )
+def curves(
+    suite: str = "nominal",
+    cases: int = 5,
+    methods: str = ",".join(METHODS),
+    out: Path | None = None,
+    report_only: bool = False,
+    draw: bool = False,
+    picture: Path = PICTURE,
+    table: Path = TABLE,
+) -> int:
+    """Plan what is missing, draw, and print; with ``--draw`` draw the committed table again."""
+    status = 0
+    if not draw:
+        if out is None:
+            raise InputError("say with --out where rows are kept, or --draw")
+        if not report_only:
+            words = f"--suite {suite} --cases {cases} --iterations 1 --zones 0 --jobs 1 --no-report"
+            status = run_all.main([*words.split(), "--methods", methods, "--out", str(out)])
             if status == run_all.WRONG:
                 return status
-        found = read(path_in(arguments.out, create=False))
-        (section,) = [each for each in found.sections if (each.suite, each.zones) == (suite, 0)]
-        write_table(spots(section), arguments.table)
-    found = read_table(arguments.table)
+        rows = read(path_in(out, create=False))
+        (section,) = [each for each in rows.sections if (each.suite, each.zones) == (suite, 0)]
+        write_table(spots(section), table)
+    found = read_table(table)
     count = max(spot.fields for spot in found)
-    draw(found, arguments.picture, f"{suite}, {count} fields, no keep-out zones, one core")
-    print(heading())
-    print("\n".join(lines(found)))
-    if not arguments.draw and hasattr(os, "getloadavg"):
+    draw_spots(found, picture, f"{suite}, {count} fields, no keep-out zones, one core")
+    head("method", "fields", "visits, mean ± 95 %", "proven", "time of processors", "by the clock")
+    for spot in found:
+        half = "" if math.isnan(spot.half_width) else f" ± {spot.half_width:.2f}"
+        seconds = f"{spot.seconds:.3g} s", f"{spot.wall_s:.3g} s"
+        row(f"`{spot.method}`", spot.fields, f"{spot.visits:.2f}{half}", spot.proven, *seconds)
+    if not draw and hasattr(os, "getloadavg"):
         print(f"\nProcesses that wanted to run at the end: {os.getloadavg()[0]:.1f}.")
     return status
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(experiment(__doc__, curves))

@@ -42,27 +42,11 @@ def _ends(rules, times, delta_v, end):
                         end[i, j, s] = done
 
 
-def _best_ends(
-    mission: adr_opt.Mission, times: np.ndarray, delta_v: np.ndarray, end: np.ndarray
-) -> None:
-    """The same with the least ΔV and the first end of all that depart from a time on."""
-    table, rules = mission.timetable, mission.rules
-    legs = table.matrices(times, choose="earliest").duration + times[:, None, None]
-    done = np.maximum(legs, rules.opens) + rules.service
-    done = np.where(done > rules.closes, np.inf, done)
-    costs = table.matrices(times, choose="cheapest").delta_v
-    for i in range(rules.service.size):
-        done[:, i, i] = costs[:, i, i] = np.inf
-    end[:] = done.transpose(1, 2, 0)
-    delta_v[:] = np.where(np.isfinite(end), costs.transpose(1, 2, 0), np.inf)
-
-
 def didppy_promise(
     mission: adr_opt.Mission,
     *,
     time_limit_s: float,
     slot_s: float = 240.0,
-    relaxed: bool = False,
     earlier_is_better: bool = False,
     threads: int = 1,
 ) -> Promise:
@@ -75,11 +59,6 @@ def didppy_promise(
         For the search [s].
     slot_s : float
         Slot of time [s].
-    relaxed : bool
-        Round so that every plan of the mission is one of the model; then, and only then, the bound
-        holds for the mission. A state's slot is the one in which the chaser is free, and counts
-        from its beginning; a move ends as soon, and costs as little, as any connection that departs
-        from then on; both are rounded down.
     earlier_is_better : bool
         Let a state dominate another that is later. The model is not so (who is early may have to
         take a worse event), so the search is no longer complete and the bound is dropped.
@@ -108,20 +87,12 @@ def didppy_promise(
     delta_v = np.empty((bodies, bodies, slots + 1))
     end = np.empty_like(delta_v)
     times = slot_s * np.arange(slots + 1)
-    if relaxed:
-        _best_ends(mission, times, delta_v, end)
-    else:
-        _ends(rules, times, delta_v, end)
+    _ends(rules, times, delta_v, end)
     possible = np.isfinite(end)
-    # Rounding to m/s; the small slack is on the side that the model is on.
-    if relaxed:
-        spent = np.maximum(0.0, np.floor(np.where(possible, delta_v, 0.0) - SLACK))
-        reached = np.floor(np.where(possible, end, 0.0) / slot_s)
-        tank = math.floor(rules.budget + SLACK)
-    else:
-        spent = np.ceil(np.where(possible, delta_v, 0.0) - SLACK)
-        reached = np.ceil(np.where(possible, end, 0.0) / slot_s)
-        tank = math.floor(rules.budget)
+    # Rounding up to m/s, less a small slack.
+    spent = np.ceil(np.where(possible, delta_v, 0.0) - SLACK)
+    reached = np.ceil(np.where(possible, end, 0.0) / slot_s)
+    tank = math.floor(rules.budget)
     arrive = np.where(possible, reached, late).astype(np.int64)
     cost = np.where(possible, spent, tank + 1).astype(np.int64)
 
@@ -183,12 +154,11 @@ def didppy_promise(
 
     solver = dp.CABS(model, time_limit=time_limit_s, quiet=True, threads=threads)
     best: Any = None
-    best_bound, history = math.inf, []
+    best_bound = math.inf
     while True:
         solution, ended = solver.search_next()
         if solution.best_bound is not None and solution.best_bound < best_bound:
             best_bound = float(solution.best_bound)
-            history.append((float(solution.time), best_bound))
         if solution.cost is not None and (best is None or solution.cost > best.cost):
             best = solution
         if ended:
@@ -196,12 +166,6 @@ def didppy_promise(
     moves = [] if best is None else [number[t.name] for t in best.transitions if t.name in number]
     visits = 0.0 if best is None else float(best.cost)
     if earlier_is_better:
-        best_bound, history = math.inf, []
-    return Promise(
-        (tuple(moves),),
-        visits,
-        best_bound,
-        built - began,
-        time.perf_counter() - built,
-        tuple(history),
-    )
+        best_bound = math.inf
+    solved = time.perf_counter() - built
+    return Promise((tuple(moves),), visits, best_bound, built - began, solved)

@@ -20,8 +20,7 @@ import numpy as np
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.chasers import AtStation
 
-from .promise import Promise, need
-from .static import one_matrix
+from .promise import Promise, need, one_matrix
 
 PRIZE_UNITS = 100_000
 """Costs are whole numbers: a prize of 1 outweighs any saving of ΔV [m/s]."""

@@ -22,8 +22,7 @@ from adr_opt.common.errors import InputError
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.chasers import AtStation
 
-from .promise import Promise, need
-from .static import one_matrix
+from .promise import Promise, need, one_matrix
 
 CHEAPEST = 5
 """Legs into a target whose mean static ΔV is its load in PyVRP."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,40 +16,22 @@ from adr_opt.common.files import read_text
 FloatArray = npt.NDArray[np.float64]
 
 
-def filled_lines(path: Path, comment: str = "\0") -> Iterator[tuple[int, str]]:
-    """Lines that hold something, with their numbers from 1, less those of comment."""
+def filled_lines(path: Path) -> Iterator[tuple[int, str]]:
+    """Lines that hold something, with their numbers from 1."""
     for number, line in enumerate(read_text(path).splitlines(), 1):
-        if line.strip() and not line.startswith(comment):
+        if line.strip():
             yield number, line.strip()
 
 
 def numbers_of(text: str, count: int, where: str, separator: str | None = None) -> list[float]:
-    """The finite numbers of a text.
-
-    Parameters
-    ----------
-    text : str
-    count : int
-        How many there must be.
-    where : str
-        File and line, for errors.
-    separator : str, optional
-        One after the last number is allowed; blanks without.
-    """
-    parts = [part.strip() for part in text.strip().split(separator)]
-    if parts and not parts[-1]:
-        parts.pop()
-    if len(parts) != count:
-        raise InputError(f"{where}: {len(parts)} values instead of {count}; give the file as it is")
-    values = []
-    for part in parts:
-        try:
-            value = float(part)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise InputError(f"{where}: {part!r} is no finite number; give the file as it is")
-        values.append(value)
+    """So many finite numbers of a text; one separator after the last is allowed."""
+    parts = [part for part in text.strip().split(separator) if part.strip()]
+    try:
+        values = [float(part) for part in parts]
+    except ValueError:
+        values = []
+    if len(values) != count or not np.isfinite(values).all():
+        raise InputError(f"{where}: not {count} finite numbers; give the file as it is")
     return values
 
 
@@ -63,23 +44,3 @@ def read_object(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise InputError(f"{path}: not a JSON object; give the file as it is")
     return content
-
-
-def sequence_of(content: dict[str, Any], key: str, where: str) -> list[Any]:
-    """A list in a JSON object."""
-    if not isinstance(content.get(key), list):
-        raise InputError(f"{where}: no list {key!r}; give the file as it is")
-    return content[key]  # type: ignore[no-any-return]
-
-
-def floats_of(content: dict[str, Any], key: str, count: int, where: str) -> tuple[float, ...]:
-    """A list of a given number of finite numbers in a JSON object."""
-    values = sequence_of(content, key, where)
-    if len(values) != count:
-        raise InputError(f"{where}: {len(values)} values of {key} instead of {count}")
-    for value in values:
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InputError(f"{where}: {value!r} in {key} is no number")
-        if not math.isfinite(value):
-            raise InputError(f"{where}: {value!r} in {key} is not finite")
-    return tuple(float(value) for value in values)

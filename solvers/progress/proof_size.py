@@ -13,14 +13,15 @@ SET_UP_S_PER_EVENT = 3e-6
 SWEEP_S_PER_ENTRY = 3.3e-8
 """Set-up time of a proof per timetable entry, which cannot be interrupted.
 
-By `bench/set_up.py` on one core 0.6 to 0.9 µs on fields of 50 and 100 targets over 3 to 10 days,
-and 2.0 µs on one with six zones; more where limits of altitude are wide, see
+By `bench/proofs.py set-up` on one core 0.6 to 0.9 µs on fields of 50 and 100 targets over 3 to 10
+days, and 2.0 µs on one with six zones; more where limits of altitude are wide, see
 :data:`adr_opt.kernels.legs.phasing.WIDE`."""
 
 BYTES_PER_EVENT = 900
 """Memory of a proof up to its first labels per timetable entry.
 
-By `bench/set_up.py` 490 to 870 bytes on the same fields, the values of the finer walks included."""
+By `bench/proofs.py set-up` 490 to 870 bytes on the same fields, the values of the finer walks
+included."""
 
 CONNECTIONS_PER_EVENT = 10
 """Number of listed connections per timetable entry."""

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 
 import numpy as np
 import pytest
 from from_outside import BENCH, DATA, arrived, broken, external
-from outside.gtoc9 import known
 from outside.gtoc9.campaign import Removals, Stop, read_campaign
 from outside.gtoc9.debris import read_debris
 from outside.gtoc9.ephemeris import read_ephemeris
-from outside.gtoc9.estimate import connections, legs_m_s, matrices
+from outside.gtoc9.estimate import legs_m_s
 from outside.gtoc9.expense import expense_meur, launched_kg, propellant_kg
-from outside.gtoc9.flown import read_flown
-from outside.gtoc9.flying import CLOSE_M, CLOSE_M_S
-from outside.gtoc9.judging import judged
+from outside.gtoc9.flown import Flight, FlownMission, read_flown
+from outside.gtoc9.judging import CLOSE_M, CLOSE_M_S, judged
 from outside.gtoc9.legs import read_legs
-from outside.gtoc9.retiming import retimed
 from outside.gtoc9.scoring import score
 
+from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 
 FOLDER = DATA / "gtoc9"
@@ -76,15 +73,6 @@ def test_our_best_campaign_keeps_all_rules(rows):
     assert found.violations == ()
 
 
-@pytest.mark.slow
-def test_the_tables_have_every_figure():
-    """What is published, what we keep and what is proven, for each number of missions, is said."""
-    text = "\n".join(known.report(FOLDER, bound_limit_s=5.0))
-    assert "none of 3 missions" in text
-    assert "none of 7 missions or more" in text
-    assert "| GTOC9 | 731.28 | 731.49 | 618.95 |" in text
-
-
 @pytest.fixture(scope="module")
 def flown(rows):
     return read_flown(BENCH / "outside" / "gtoc9" / "flown.json", len(rows))
@@ -111,37 +99,6 @@ def test_a_leg_of_our_flown_campaign_arrives_by_scipy(flown):
                 assert off[1] < CLOSE_M_S
                 return
     raise AssertionError("no such leg")
-
-
-def test_better_times_are_better_and_legal(rows, winner):
-    """Re-timed on half days within its own time, a mission keeps the rules and costs less."""
-    mission = winner[4]
-    better = retimed(mission, rows, 0.5)
-    assert [stop.debris for stop in better.stops] == [stop.debris for stop in mission.stops]
-    assert better.begin_d >= mission.begin_d - 1e-9
-    assert better.end_d <= mission.end_d + 1e-9
-    before, after = legs_m_s(mission, rows), legs_m_s(better, rows)
-    assert launched_kg(after) < launched_kg(before)
-    alone = score([better], [after], len(rows))
-    assert not [said for said in alone.violations if "removed 0" not in said]
-
-
-def test_no_times_of_the_grid_are_better(rows, winner):
-    """The dynamic program finds what trying all times of a short mission finds."""
-    three = Removals(winner[0].stops[4:7])
-    begin, step, times = three.begin_d, 2.5, 21
-    found = retimed(three, rows, step, begin, begin + step * (times - 1))
-    best = np.inf
-    for a, d, b, e, c in itertools.combinations_with_replacement(range(times), 5):
-        late = d - a < 2 or e - b < 2 or b == d or c == e or b - a > 12 or c - b > 12
-        if late or c + 2 > times - 1:
-            continue
-        tried = [a, d, b, e, c, c + 2]
-        days = [begin + step * place for place in tried]
-        stops = zip((stop.debris for stop in three.stops), days[::2], days[1::2], strict=True)
-        tried_one = Removals(tuple(Stop(*stop) for stop in stops))
-        best = min(best, launched_kg(legs_m_s(tried_one, rows)))
-    assert launched_kg(legs_m_s(found, rows)) == pytest.approx(best, rel=1e-12)
 
 
 def test_mass_is_counted_backwards():
@@ -183,27 +140,12 @@ def test_too_much_propellant_is_named(rows, winner):
     assert any("kg of propellant" in said for said in found.violations)
 
 
-def test_tables_agree_with_the_estimate(rows, winner):
-    """Connections and matrices hold the estimate of the times that they name."""
-    begin = winner[0].begin_d
-    departure, arrival, cost = connections(rows, 23, 55, begin, begin + 10.0, 2.5)
-    assert departure.size == 10
-    for leaves, comes, dear in zip(departure, arrival, cost, strict=True):
-        stops = Stop(23, 0.0, leaves / 86400.0), Stop(55, comes / 86400.0, 1e9)
-        assert legs_m_s(Removals(stops), rows)[0] == pytest.approx(dear, rel=1e-9)
-    duration, delta_v = matrices(rows[[23, 55]], [begin, begin + 2.5], 5.0)
-    assert (duration[:, 0, 1] == 5.0 * 86400.0).all()
-    assert np.isinf(duration[:, 0, 0]).all()
-    wanted = (departure == departure.min()) & np.isclose(arrival - departure, 5.0 * 86400.0)
-    assert delta_v[0, 0, 1] == pytest.approx(cost[wanted][0], rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         ("1.000000000000000000000000000000", "7.0", "debris 7 where 1"),
-        ("7165739.682446470", "low 7165739.682446470", "9 values instead of 8"),
-        ("7165739.682446470000000000000000000000", "nan", "no finite number"),
+        ("7165739.682446470", "low 7165739.682446470", "not 8 finite numbers"),
+        ("7165739.682446470000000000000000000000", "nan", "not 8 finite numbers"),
         ("7165739.682446470000000000000000000000", "7165", "no orbit about the Earth"),
     ],
 )
@@ -223,24 +165,23 @@ def test_missing_debris_are_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    "change",
     [
-        (lambda content: content.pop("missions"), "no list 'missions'"),
-        (lambda content: content["start_mjd2000"].pop(), "9 values of start_mjd2000"),
-        (lambda content: content["missions"][2].pop("stay_d"), r"\[2\]: no list 'stay_d'"),
-        (lambda content: content["missions"][1]["dv_m_s"].pop(), "10 values of dv_m_s instead"),
-        (lambda content: content["missions"][0]["debris"].append(0.5), "numbers from 0"),
-        (lambda content: content["missions"][0]["stay_d"].__setitem__(0, "5"), "no number"),
-        (lambda content: content["missions"].__setitem__(3, 4), r"\[3\]: not a JSON object"),
+        lambda content: content.pop("missions"),
+        lambda content: content["start_mjd2000"].pop(),
+        lambda content: content["missions"][2].pop("stay_d"),
+        lambda content: content["missions"][1]["dv_m_s"].pop(),
+        lambda content: content["missions"][0]["stay_d"].__setitem__(0, "5"),
+        lambda content: content["missions"].__setitem__(3, 4),
     ],
 )
-def test_broken_campaigns_are_refused(tmp_path, change, said):
-    """A solution that is not what it should be is refused with the place and the reason."""
+def test_broken_campaigns_are_refused(tmp_path, change):
+    """A solution that is not what it should be is refused with the file and the reason."""
     content = json.loads(WINNER.read_text(encoding="utf-8"))
     change(content)
     path = tmp_path / "solution.json"
     path.write_text(json.dumps(content), encoding="utf-8")
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match="no campaign"):
         read_campaign(path)
 
 
@@ -253,3 +194,29 @@ def test_what_is_no_json_is_refused(tmp_path):
     path.write_text("[]", encoding="utf-8")
     with pytest.raises(InputError, match="not a JSON object"):
         read_campaign(path)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda times, impulses: (times, 1.01 * impulses), "off on arrival"),
+        (lambda times, impulses: (times[::-1], impulses[::-1]), "out of order"),
+        (lambda times, impulses: (times + 30.0 * DAY_S, impulses), "outside of the leg"),
+        (lambda times, impulses: (np.repeat(times, 2), np.repeat(0.5 * impulses, 2, 0)), "0 imp"),
+        (lambda times, impulses: (times[:1], np.full((1, 3), 9e3)), "a perigee of"),
+    ],
+)
+def test_flown_legs_that_break_a_rule_are_named(flown, change, said):
+    """A leg with other impulses than lead to its debris, or with too many, is told."""
+    debris = read_ephemeris(DEBRIS)
+    stops, flights = flown[0].removals.stops, flown[0].flights
+    at = next(at for at, flight in enumerate(flights) if len(flight.times_s) == 5)
+    two, flight = Removals(stops[at : at + 2]), flights[at]
+
+    def told(one: Flight) -> list[str]:
+        found = judged([FlownMission(two, (one,))], debris)
+        return [sentence for sentence in found.violations if "removed 0" not in sentence]
+
+    assert told(flight) == []
+    bad = told(Flight(*change(flight.times_s.copy(), flight.impulses_m_s.copy())))
+    assert any(said in sentence for sentence in bad), bad

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
 import pytest
 from from_outside import DATA, broken, external
-from outside.odrc import by_model, published
+from outside.odrc import published
 from outside.odrc.estimate import equinoctial, greatest_rates, matrices
 from outside.odrc.ours import plan
 from outside.odrc.reading import read_debris, with_centroid
-from outside.odrc.scoring import LONGEST_S, Route, score
-from outside.odrc.subsets import cheapest
+from outside.odrc.scoring import Route, score
 
 from adr_opt.common.errors import InputError
 
@@ -68,51 +66,6 @@ def test_nodes_drift(bodies):
     assert greatest_rates(early).shape == early.shape
 
 
-def test_all_subsets_find_what_trying_all_plans_finds(bodies):
-    """Over five debris and six departures, two chasers with three each: no plan is cheaper."""
-    some, steps = bodies[[0, 1, 3, 4, 6, 8]], 6
-    grid = LONGEST_S * np.arange(steps + 1) / steps
-    duration, cost = matrices(some, grid)
-
-    def route(order):
-        """Least ΔV of a chaser that meets debris in order, over all departures."""
-        best = 0.0 if not order else np.inf
-        ways = itertools.combinations_with_replacement(range(steps + 1), len(order))
-        for leaves in ways if order else ():
-            here, ready, spent = 0, 0.0, 0.0
-            for place, one in zip(leaves, order, strict=True):
-                if grid[place] < ready:
-                    spent = np.inf
-                    break
-                spent += cost[place, here, one]
-                ready, here = grid[place] + duration[place, here, one], one
-            if ready <= LONGEST_S and spent <= 25e3:
-                best = min(best, spent)
-        return best
-
-    least = {}
-    for size in range(4):
-        for chosen in itertools.combinations(range(1, 6), size):
-            least[chosen] = min(route(order) for order in itertools.permutations(chosen))
-    everything = {1, 2, 3, 4, 5}
-    others = ((one, tuple(sorted(everything - {*one}))) for one in least)
-    best = min(least[one] + least[other] for one, other in others if other in least)
-    total, routes = cheapest(some, steps, 2, load=3)
-    assert total == pytest.approx(best, rel=1e-12)
-    judged = score(some, routes, load=3)
-    assert judged.total_m_s == pytest.approx(total, rel=1e-12)
-    assert judged.violations == ()
-
-
-def test_the_published_plan_can_be_beaten(bodies):
-    """With departures every day there is a legal plan of at most 44,279 m/s."""
-    total, routes = cheapest(bodies, 365, 3)
-    judged = score(bodies, routes)
-    assert judged.violations == ()
-    assert judged.total_m_s == pytest.approx(total, rel=1e-12)
-    assert total <= 44279.5
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -139,8 +92,8 @@ def test_too_many_debris_are_named(bodies):
     ("old", "new", "said"),
     [
         ("a[m]", "a[km]", "the first line must be"),
-        ("7164040.5518,", "", "line 2: 5 values instead of 6"),
-        ("7164040.5518", "high", "line 2: 'high' is no finite number"),
+        ("7164040.5518,", "", "line 2: not 6 finite numbers"),
+        ("7164040.5518", "high", "line 2: not 6 finite numbers"),
         ("7164040.5518,0.0019", "7164040.5518,1.9", "line 2: no closed orbit"),
     ],
 )
@@ -158,34 +111,11 @@ def test_no_debris_are_refused(tmp_path):
         read_debris(path)
 
 
-def test_our_plan_is_proven_to_be_what_all_subsets_find(bodies):
-    """On a grid of five days the campaign's proven least ΔV is that of the subsets."""
-    least, _ = cheapest(bodies, 73, 3)
+def test_our_plan_is_proven_and_beats_the_published_one(bodies):
+    """On a grid of five days the campaign is proven, legal by the scorer, and cheaper."""
     ours = plan(bodies, 73, 3, 60.0)
     scored = score(bodies, ours.routes)
     assert ours.proven
     assert scored.violations == ()
     assert scored.total_m_s == pytest.approx(ours.total_m_s)
-    assert ours.total_m_s == pytest.approx(least)
-
-
-@pytest.mark.slow
-def test_legs_of_the_model_are_flown(bodies):
-    """With legs that wait for their nodes, a plan takes a fifth of the estimate, planned and flown.
-
-    And each flown leg is nearer to the plan than to the estimate.
-    """
-    found = by_model.plan(bodies, 3, 20.0, steps=37)
-    assert found.violations == 0
-    assert len(found.legs) == 13
-    assert found.total_m_s < 0.2 * published.TOTAL_M_S
-    for leg in found.legs:
-        assert leg.missed_m < 1.0
-        assert abs(leg.flown_m_s - leg.planned_m_s) < abs(leg.flown_m_s - leg.estimate_m_s)
-
-
-def test_legs_of_the_published_plan_are_dear_by_the_estimate(bodies):
-    """By the model, legs of the published plan take less than by the estimate."""
-    legs = by_model.priced(bodies, published.PLAN)
-    assert sum(said for said, _ in legs) == pytest.approx(published.TOTAL_M_S, abs=1e-3)
-    assert all(cost < said for said, cost in legs if math.isfinite(cost) and said > 2000.0)
+    assert ours.total_m_s < published.TOTAL_M_S

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from from_outside import DATA, external
 from outside.tdtsptw import reading
-from outside.tdtsptw.known import drawn
-from outside.tdtsptw.ours import breakpoints, instance_of, plan
+from outside.tdtsptw.ours import breakpoints, drawn, instance_of, plan
 from outside.tdtsptw.scoring import arrival, score
 
 from adr_opt.common.errors import InputError

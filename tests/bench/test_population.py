@@ -2,30 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from pathlib import Path
-from types import ModuleType
 
-import pytest
+import population
 
 from adr_opt.sources import catalogue, worth
 
 
-@pytest.fixture(scope="module")
-def population() -> ModuleType:
-    """The script."""
-    path = Path(__file__).parents[2] / "bench/population.py"
-    spec = importlib.util.spec_from_file_location("population", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["population"] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_the_same_seed_gives_the_same_population(population: ModuleType, tmp_path: Path) -> None:
+def test_the_same_seed_gives_the_same_population(tmp_path: Path) -> None:
     """Both files depend on the seed and the number alone."""
     texts = []
     for name, seed in (("a", 0), ("b", 0), ("c", 1)):
@@ -36,7 +20,7 @@ def test_the_same_seed_gives_the_same_population(population: ModuleType, tmp_pat
     assert texts[0][0] != texts[2][0]
 
 
-def test_the_population_is_read_and_rated(population: ModuleType, tmp_path: Path) -> None:
+def test_the_population_is_read_and_rated(tmp_path: Path) -> None:
     """Every object has an entry; some masses are uncertain, some unknown; stages lead the ranks."""
     path, satcat = population.write_population(tmp_path, 2000)
     bodies = worth.bodies_of(

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from run_all_rows import Load
+import planners
+
+import adr_opt
 
 
-def test_shares_are_of_proven_fields_alone(load: Load) -> None:
-    """Of a proven field there is a share up to one; what is not proven in time has none."""
-    tenth = load("tenth")
-    ((line, shares),) = tenth.lines(["tiny"], range(2), 20.0, 0.0)
-    assert "2 of 2" in line
-    assert all(0.0 <= share <= 1.0 for share in shares)
-    ((line, shares),) = tenth.lines(["tiny"], range(1), 20.0, 1e9)
-    assert "0 of 1" in line
-    assert shares == []
+def test_shares_are_of_proven_fields_alone() -> None:
+    """Of a proven field there is a share up to one; what is proven in less time has none."""
+    for seed in range(2):
+        found = planners.stopped(adr_opt.generate("tiny", seed), 20.0, 0.0)
+        assert found is not None
+        assert 0.0 <= found.stopped <= found.optimum
+    assert planners.stopped(adr_opt.generate("tiny", 0), 20.0, 1e9) is None

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from itertools import permutations
 
 import numpy as np
+import peers
 import pytest
-from run_all_rows import Load
+from contest import orienteering
 
 import adr_opt
 
 
-def best_by_enumeration(orienteering, places) -> int:
+def best_by_enumeration(places) -> int:
     """Prizes of the best order of some of the places."""
     best, numbers = 0, range(1, places.prize.size)
     for size in range(places.prize.size):
@@ -25,16 +25,15 @@ def best_by_enumeration(orienteering, places) -> int:
 
 
 @pytest.mark.parametrize("kind", ["scattered-narrow", "scattered-wide", "clustered-narrow"])
-def test_the_best_plan_is_the_best_tour(load: Load, kind: str) -> None:
+def test_the_best_plan_is_the_best_tour(kind: str) -> None:
     """The optimum of the mission is that of all orders, and PyVRP collects no more."""
-    orienteering = load("contest.orienteering")
     for seed in range(4):
         places = orienteering.draw(kind, seed, 6)
         places = places._replace(closes=np.minimum(places.closes, 150))
         places = places._replace(opens=np.minimum(places.opens, places.closes))
         instance = orienteering.instance_of(places)
         result = adr_opt.solve(instance, "exact", time_limit=60.0)
-        best = best_by_enumeration(orienteering, places)
+        best = best_by_enumeration(places)
         assert result.status == "optimal", seed
         assert result.objective == best, seed
         assert adr_opt.check(instance, result.plan) == (), seed
@@ -42,9 +41,8 @@ def test_the_best_plan_is_the_best_tour(load: Load, kind: str) -> None:
         assert orienteering.by_pyvrp(places, 0.1) <= best, seed
 
 
-def test_tours_that_are_none_are_told(load: Load) -> None:
+def test_tours_that_are_none_are_told() -> None:
     """A place that is there twice, or is reached too late, is no tour."""
-    orienteering = load("contest.orienteering")
     places = orienteering.draw("scattered-narrow", 0, 6)
     with pytest.raises(ValueError, match="twice"):
         orienteering.collected(places, (1, 1))
@@ -53,20 +51,15 @@ def test_tours_that_are_none_are_told(load: Load) -> None:
         orienteering.collected(late, (2,))
 
 
-def test_the_table_keeps_the_best_known(load: Load, tmp_path, monkeypatch, capsys) -> None:
+def test_the_table_keeps_the_best_known(tmp_path, monkeypatch, capsys) -> None:
     """What was known stays unless more was found, and what was planned is not planned again."""
-    windows, kept = load("windows"), tmp_path / "kept.csv"
-    windows.write_best(kept, {"clustered-wide-0-6": 1e6, "other": 5.0})
-    words = f"--kinds clustered-wide --count 1 --places 6 --limits 5 --keep {kept}"
-    monkeypatch.setattr(sys, "argv", ["windows.py", *words.split()])
-    windows.main()
-    printed = capsys.readouterr().out
-    again = [*words.split(), "--rows", str(tmp_path / "rows.csv")]
+    kept = tmp_path / "kept.csv"
+    kept.write_text("instance,prizes\nclustered-wide-0-6,1e+06\nother,5\n", encoding="utf-8")
+    words = {"kinds": ("clustered-wide",), "count": 1, "places": 6, "limits": (5.0,), "keep": kept}
     for _ in range(2):
-        monkeypatch.setattr(sys, "argv", ["windows.py", *again])
-        windows.main()
-        monkeypatch.setattr(windows, "planned", None)
-    assert capsys.readouterr().out.count("1 of 1 proven") == 2
+        peers.windows(**words, rows=tmp_path / "rows.jsonl")
+        monkeypatch.setattr(peers, "planned", None)
+    printed = capsys.readouterr().out
+    assert printed.count("1 of 1 proven") == 2
     assert "| clustered-wide-0-6 | 1e+06 |" in printed
-    assert "1 of 1 proven" in printed
-    assert windows.read_best(kept) == {"clustered-wide-0-6": 1e6, "other": 5.0}
+    assert kept.read_text("utf-8") == "instance,prizes\nclustered-wide-0-6,1e+06\nother,5\n"

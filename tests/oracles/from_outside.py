@@ -1,10 +1,9 @@
-"""The folder of benchmarks that others made, as a package to import, and where their data lie."""
+"""Benchmarks that others made: where their data lie, and flights by SciPy."""
 
 from __future__ import annotations
 
 import math
 import os
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +14,6 @@ from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2
 
 BENCH = Path(__file__).parents[2] / "bench"
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))
-
-sys.path.insert(0, str(BENCH))
-try:
-    import outside as outside
-finally:
-    sys.path.remove(str(BENCH))
 
 
 def external(folder: str) -> list[pytest.MarkDecorator]:

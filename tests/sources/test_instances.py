@@ -15,6 +15,7 @@ import jsonschema
 import numpy as np
 import pytest
 from hand_made import RADIUS_M, hand_made
+from worth import fit as fit_of
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
@@ -166,7 +167,7 @@ def test_cloud_follows_its_numbers():
 @pytest.mark.skipif(not CATALOGUE.is_file(), reason=f"no {CATALOGUE}")
 def test_cloud_is_fitted_to_the_catalogue():
     """The numbers of the family are those that the script reads off the public catalogue."""
-    fit = script(ROOT / "bench" / "fit_cloud.py").fit(CATALOGUE)
+    fit = fit_of(CATALOGUE)
     assert fit.objects == 121
     assert fit.perigee == pytest.approx(clouds.PERIGEE_KM, abs=0.051)
     assert fit.difference == pytest.approx(clouds.APOGEE_MINUS_PERIGEE_KM, abs=0.051)

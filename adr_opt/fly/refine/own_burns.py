@@ -24,8 +24,7 @@ from .least import least_impulses
 from .leg import MOST_CONVEX, WORTH, FlownImpulses, LegEnds, NoWay, close, fly
 
 CHANGE_WEIGHT = 2.0 / 3.0
-"""w, chosen such that flown burns stay close to the planned ones, for circles and eccentric orbits;
-``bench/refine_clouds.py --change-weights`` shows the effect of other values."""
+"""w, chosen so that flown burns stay close to the planned ones, for circles and ellipses."""
 
 
 def cheapest_near(

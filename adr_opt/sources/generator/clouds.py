@@ -2,7 +2,7 @@
 
 The first has the remnants of a collision near 86.4° and 780 km after sixteen years; no object of a
 catalogue is in it. Its numbers were fitted to a public catalogue of April 2025, its 121 objects of
-the satellite Iridium 33, which collided in 2009 (`bench/fit_cloud.py` prints them from such a
+the satellite Iridium 33, which collided in 2009 (`bench/worth.py cloud` prints them from such a
 file).
 
 * Perigee altitude, apogee minus perigee altitude, and inclination follow their percentiles,

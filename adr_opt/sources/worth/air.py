@@ -3,7 +3,7 @@
 Means of NRLMSIS 2.1 (J. T. Emmert et al., Journal of Geophysical Research: Space Physics 127,
 2022) over latitudes, longitudes, hours and seasons: at a constant F10.7 of 70 (low) and 200 (high),
 and over a cycle in which F10.7 swings between both (mean). They are facts coded here, so that no
-package is needed: ``bench/air.py`` computes them by ``pymsis``. Above 1,000 km the model is
+package is needed: ``bench/worth.py air`` computes them by ``pymsis``. Above 1,000 km the model is
 extrapolated.
 """
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -11,7 +10,7 @@ from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.plan.plan import Plan
 
-from ..reading import floats_of, read_object, sequence_of
+from ..reading import read_object
 
 FILE = "jpl_solution.json"
 
@@ -88,25 +87,15 @@ def read_campaign(path: Path) -> tuple[Removals, ...]:
     content = read_object(path)
     if "routes" in content:
         return _missions_of(Plan.load(path))
-    missions = sequence_of(content, "missions", str(path))
-    begins = floats_of(content, "start_mjd2000", len(missions), str(path))
     found = []
-    for number, (begin, mission) in enumerate(zip(begins, missions, strict=True)):
-        where = f"{path}: missions[{number}]"
-        if not isinstance(mission, dict):
-            raise InputError(f"{where}: not a JSON object; give the file as it is")
-        count = len(sequence_of(mission, "debris", where))
-        if count == 0:
-            raise InputError(f"{where}: no debris in it; give the file as it is")
-        debris = floats_of(mission, "debris", count, where)
-        if any(one != math.floor(one) or one < 0.0 for one in debris):
-            raise InputError(f"{where}: debris are numbers from 0; give the file as it is")
-        stays = floats_of(mission, "stay_d", count, where)
-        ways = floats_of(mission, "transfer_d", count - 1, where)
-        flown = floats_of(mission, "dv_m_s", count - 1, where)
-        stops, now = [], begin
-        for one, stay, way in zip(debris, stays, (*ways, 0.0), strict=True):
-            stops.append(Stop(int(one), now, now + stay))
-            now += stay + way
-        found.append(Removals(tuple(stops), flown))
+    try:
+        for now, mission in zip(content["start_mjd2000"], content["missions"], strict=True):
+            stops, ways = [], (*mission["transfer_d"], 0.0)
+            for one, stay, way in zip(mission["debris"], mission["stay_d"], ways, strict=True):
+                stops.append(Stop(one, now, now + stay))
+                now += stay + way
+            legs = zip(stops[1:], mission["dv_m_s"], strict=True)
+            found.append(Removals(tuple(stops), tuple(flown for _, flown in legs)))
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: no campaign: {error!r}; give the file as it is") from None
     return tuple(found)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from solvers.tours.costs import TourExpense
-
 DRY_KG, KIT_KG, MOST_PROPELLANT_KG = 2000.0, 30.0, 5000.0
 EXHAUST_M_S = 340.0 * 9.80665
 """Specific impulse times g₀."""
@@ -16,17 +14,6 @@ LAUNCH_MEUR = 55.0
 
 PER_KG2_MEUR = 2e-6
 """Cost per squared kilogram of launched mass beyond the dry mass."""
-
-EXPENSE = TourExpense(
-    LAUNCH_MEUR,
-    0.0,
-    PER_KG2_MEUR,
-    DRY_KG,
-    KIT_KG,
-    EXHAUST_M_S,
-    MOST_PROPELLANT_KG,
-    most_missions=123,
-)
 
 
 def launched_kg(delta_v_m_s: Sequence[float]) -> float:

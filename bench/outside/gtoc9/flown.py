@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from adr_opt.common.errors import InputError
-from adr_opt.common.files import write_text
 
-from ..reading import FloatArray, floats_of, read_object, sequence_of
+from ..reading import FloatArray, read_object
 from .campaign import Removals, Stop
-
-DIGITS = 9
-"""Digits of days and of m/s that are written: they move an arrival by centimetres."""
 
 
 class Flight(NamedTuple):
@@ -43,69 +37,21 @@ class FlownMission:
     flights: tuple[Flight, ...]
 
 
-def write_flown(path: Path, missions: Sequence[FlownMission]) -> None:
-    """Write a campaign; what was there is replaced."""
-    content = [
-        {
-            "stops": [
-                [stop.debris, round(stop.arrival_d, DIGITS), round(stop.departure_d, DIGITS)]
-                for stop in mission.removals.stops
-            ],
-            "legs": [
-                [
-                    [round(float(value), DIGITS) for value in (time, *impulse)]
-                    for time, impulse in zip(*flight, strict=True)
-                ]
-                for flight in mission.flights
-            ],
-        }
-        for mission in missions
-    ]
-    lines = []
-    for mission in content:
-        stops = ",\n   ".join(json.dumps(stop) for stop in mission["stops"])
-        legs = ",\n   ".join(json.dumps(leg) for leg in mission["legs"])
-        lines.append(f'{{"stops": [\n   {stops}],\n  "legs": [\n   {legs}]}}')
-    text = '{"missions": [\n ' + ",\n ".join(lines) + "]}\n"
-    write_text(path, text)
-
-
 def read_flown(path: Path, debris: int) -> tuple[FlownMission, ...]:
-    """The missions of a file that :func:`write_flown` has written.
+    """The missions of a file of impulses, between debris of so many.
 
-    Parameters
-    ----------
-    path : Path
-    debris : int
-        How many there are.
+    Each has its `stops`, rows of a debris, its arrival and its departure, and the impulses of each
+    of its `legs`, rows of a time [s] and three components [m/s].
     """
     found = []
-    for number, mission in enumerate(sequence_of(read_object(path), "missions", str(path))):
-        where = f"{path}: missions[{number}]"
-        if not isinstance(mission, dict):
-            raise InputError(f"{where}: not a JSON object; give a file that --fly-all has written")
-        rows = sequence_of(mission, "stops", where)
-        stops = [Stop(*_row({"stops": row}, "stops", 3, where)) for row in rows]
-        if not stops or any(not 0 <= stop.debris < debris for stop in stops):
-            raise InputError(f"{where}: stops are debris from 0 to {debris - 1}")
-        if any(stop.debris != int(stop.debris) for stop in stops):
-            raise InputError(f"{where}: debris are whole numbers")
-        legs = sequence_of(mission, "legs", where)
-        if len(legs) != len(stops) - 1:
-            raise InputError(f"{where}: {len(legs)} legs between {len(stops)} stops")
-        stops = [stop._replace(debris=int(stop.debris)) for stop in stops]
-        flights = tuple(_flight(leg, where) for leg in legs)
-        found.append(FlownMission(Removals(tuple(stops)), flights))
+    try:
+        for mission in read_object(path)["missions"]:
+            stops = tuple(Stop(*stop) for stop in mission["stops"])
+            legs = [np.array(leg, dtype=float).reshape(-1, 4) for leg in mission["legs"]]
+            if len(legs) != len(stops) - 1 or any(one.debris not in range(debris) for one in stops):
+                raise ValueError("stops are of no debris, or legs do not lie between them")
+            flights = tuple(Flight(leg[:, 0].copy(), leg[:, 1:].copy()) for leg in legs)
+            found.append(FlownMission(Removals(stops), flights))
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: no flown campaign: {error}; give the file as it is") from None
     return tuple(found)
-
-
-def _row(content: dict[str, Any], key: str, count: int, where: str) -> tuple[Any, ...]:
-    return floats_of(content, key, count, where)
-
-
-def _flight(leg: Any, where: str) -> Flight:
-    """Impulses: rows of a time [s] and three components [m/s]."""
-    impulses = sequence_of({"legs": leg}, "legs", where)
-    rows = np.array([floats_of({"legs": row}, "legs", 4, where) for row in impulses])
-    rows = rows.reshape(-1, 4)
-    return Flight(rows[:, 0].copy(), rows[:, 1:].copy())

@@ -2,8 +2,8 @@
 
 Motion under the pull of the Earth with J2 by the extrapolated midpoint rule (W. Gragg, SIAM Journal
 on Numerical Analysis 2, 1965, 384–403; R. Bulirsch and J. Stoer, Numerische Mathematik 8, 1966,
-1–13), where :mod:`.flying` uses implicit collocation. Positions, speeds, number of impulses, their
-times, perigees and the rules of :mod:`.scoring` are asked for.
+1–13). Positions, speeds, number of impulses, their times, perigees and the rules of :mod:`.scoring`
+are asked for.
 """
 
 from __future__ import annotations
@@ -20,8 +20,16 @@ from adr_opt.kernels.core.compile import kernel
 from ..reading import FloatArray
 from .ephemeris import Debris
 from .flown import Flight, FlownMission
-from .flying import CLOSE_M, CLOSE_M_S, LOWEST_M, MOST_IMPULSES
 from .scoring import Score, score
+
+MOST_IMPULSES = 5
+"""Maximum number of impulses per leg."""
+
+CLOSE_M, CLOSE_M_S = 100.0, 1.0
+"""Largest distance and relative speed at a rendezvous."""
+
+LOWEST_M = 6600e3
+"""Least radius of perigees."""
 
 ROWS = 8
 """Rows of the extrapolation: steps are cut into 2, 4, … 16 parts."""

@@ -1,27 +1,24 @@
-"""Known results of GTOC9: the winner's campaign as flown, estimated and re-timed; and ours.
+"""Known results of GTOC9: the winner's campaign as flown and estimated; and ours.
 
-J of the estimate, J re-timed and J of a campaign that was flown are different things.
+J of the estimate and J of a campaign that was flown are different things.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
+
+from tables import head, row
 
 from adr_opt.common.errors import InputError
 
-from ..tables import Row, head, line
-from ..telling import Doing, silent
 from . import campaign, debris
 from .ephemeris import read_ephemeris
 from .estimate import legs_m_s
-from .flights import mission_table, report_flights
+from .expense import expense_meur, launched_kg
 from .flown import read_flown
 from .instance import contest
 from .judging import judged
-from .retiming import retimed
-from .scoring import STAY_D, WITHIN_D, Score, score
+from .scoring import STAY_D, WITHIN_D, score
 
 PUBLISHED_MEUR = 731.2756
 """J of the winning solution (Petropoulos et al., Acta Futura 11, 2018, 25–35)."""
@@ -29,33 +26,11 @@ PUBLISHED_MEUR = 731.2756
 ROUNDED_D = 0.2
 """Rounding of the file's times to hundredths of a day, accumulated over a mission."""
 
-STEP_D = 0.1
+HERE = Path(__file__).parent
 
 
-def _line(name: str, found: Score) -> str:
-    return (
-        f"| {name} | {found.total_meur:.2f} | {max(found.propellant_kg):.0f} | "
-        f"{len(found.violations)} |"
-    )
-
-
-BEST = Path(__file__).parent / "best.json"
-"""Our best campaign by the estimate."""
-
-FLOWN = Path(__file__).parent / "flown.json"
-"""A campaign of ours with all its impulses."""
-
-
-def flights(
-    folder: Path, plan: Path, number: int | None, write: Path | None, doing: Doing = silent
-) -> Iterator[str]:
-    """A campaign as flown, or one mission of it, in Markdown."""
-    rows = debris.read_debris(folder / debris.FILE)
-    yield from report_flights(folder / debris.FILE, plan, rows, number, write, doing=doing)
-
-
-def written(folder: Path, file: Path, step_d: float) -> Iterator[str]:
-    """The contest as an instance file, on a grid of connections; a sentence about it.
+def write_instance(folder: Path, file: Path, step_d: float) -> None:
+    """Write the contest as an instance file, on a grid of connections.
 
     Raises
     ------
@@ -66,63 +41,56 @@ def written(folder: Path, file: Path, step_d: float) -> Iterator[str]:
         raise InputError(f"--step {step_d:g}: give days above 0, at most {WITHIN_D - STAY_D:g}")
     made = contest(debris.read_debris(folder / debris.FILE), step_d)
     made.save(file)
-    yield f"{file}: {len(made.targets)} targets, connections on a grid of {step_d:g} d"
+    print(f"{file}: {len(made.targets)} targets, connections on a grid of {step_d:g} d")
 
 
-def judged_again(folder: Path, flown: Path, doing: Doing = silent) -> Iterator[str]:
-    """A campaign with its impulses flown once more and scored, in Markdown."""
-    rows = debris.read_debris(folder / debris.FILE)
+def judge(folder: Path, flown: Path) -> None:
+    """Print a campaign with its impulses, flown once more and scored, mission by mission."""
+    rows, bodies = debris.read_debris(folder / debris.FILE), read_ephemeris(folder / debris.FILE)
     missions = read_flown(flown, len(rows))
-    doing("flying", 0, 1)
-    yield from mission_table(missions, read_ephemeris(folder / debris.FILE), rows)
+    head(
+        *("mission", "begins [MJD2000]", "debris", "estimate [M€]", "flown [M€]"),
+        *("propellant [kg]", "off [m]", "off [m/s]", "lowest perigee [km]"),
+    )
+    whole, estimates = judged(missions, bodies), list[float]()
+    for number, (mission, legs) in enumerate(zip(missions, whole.legs, strict=True)):
+        estimates.append(expense_meur(launched_kg(legs_m_s(mission.removals, rows))))
+        row(
+            number,
+            f"{mission.removals.begin_d:.1f}",
+            len(mission.removals.stops),
+            f"{estimates[-1]:.2f}",
+            f"{whole.score.missions_meur[number]:.2f}",
+            f"{whole.score.propellant_kg[number]:.0f}",
+            f"{max((leg.miss_m for leg in legs), default=0.0):.1e}",
+            f"{max((leg.miss_m_s for leg in legs), default=0.0):.1e}",
+            f"{min((leg.perigee_m for leg in legs), default=float('nan')) / 1e3:.0f}",
+        )
+    print(
+        f"\n{sum(map(len, whole.legs))} legs. J is {sum(estimates):.2f} M€ by the estimate at "
+        f"these times and {whole.score.total_meur:.2f} M€ flown; {len(whole.violations)} rules "
+        "broken.",
+        *whole.violations,
+        sep="\n",
+    )
 
 
-def report(folder: Path, step_d: float = STEP_D, doing: Doing = silent) -> Iterator[str]:
-    """The tables, in Markdown, each line as soon as it is known.
-
-    Parameters
-    ----------
-    folder : Path
-    step_d : float
-        Of the grid on which missions get better times [d].
-    doing : callable
-        Hears of each part before it is done.
-    """
+def report(folder: Path) -> None:
+    """Print J of the winner's campaign, as flown and by the estimate, and of ours."""
     rows = debris.read_debris(folder / debris.FILE)
-    missions = campaign.read_campaign(folder / campaign.FILE)
-    count = len(missions) + 1
-    flown = score(missions, [mission.flown_m_s for mission in missions], len(rows), ROUNDED_D)
-    as_planned = score(
-        missions, [legs_m_s(mission, rows) for mission in missions], len(rows), ROUNDED_D
-    )
-    legs = sum(len(mission.stops) - 1 for mission in missions)
-    yield f"{len(rows)} debris; the winner's {len(missions)} missions with {legs} legs.\n"
-    yield "| sequences | J [M€] | most propellant [kg] | rules broken |\n|---|---|---|---|"
-    yield _line("the winner's, ΔV as flown", flown)
-    yield _line("the winner's, ΔV of the estimate, at its times", as_planned)
-    better = []
-    for number, mission in enumerate(missions):
-        doing("re-timing the winner's", number, count)
-        better.append(retimed(mission, rows, step_d))
-    best = score(better, [legs_m_s(mission, rows) for mission in better], len(rows), ROUNDED_D)
-    yield _line(
-        f"the winner's, ΔV of the estimate, re-timed within each mission to {step_d:g} d", best
-    )
-    row = Row("GTOC9", PUBLISHED_MEUR, flown.total_meur)
-    broken = [*flown.violations, *as_planned.violations, *best.violations]
-    if BEST.is_file():
-        kept = campaign.read_campaign(BEST)
-        known = score(kept, [legs_m_s(mission, rows) for mission in kept], len(rows))
-        name = f"kept in `{BEST.name}`, {len(kept)} missions"
-        yield _line(f"ours {name}, ΔV of the estimate", known)
-        row = replace(row, ours=known.total_meur)
-        broken += known.violations
-    doing("flying", count - 1, count)
-    if FLOWN.is_file():
-        whole = judged(read_flown(FLOWN, len(rows)), read_ephemeris(folder / debris.FILE))
-        yield _line(f"ours of `{FLOWN.name}`, flown with the full J2", whole.score)
-        broken += whole.violations
-    yield ""
-    yield head("M€")
-    yield line(row, ".2f")
-    yield from dict.fromkeys(broken)
+    winner = campaign.read_campaign(folder / campaign.FILE)
+    ours = campaign.read_campaign(HERE / "best.json")
+    flown = judged(read_flown(HERE / "flown.json", len(rows)), read_ephemeris(folder / debris.FILE))
+    print(f"{len(rows)} debris. The winner's J as published: {PUBLISHED_MEUR:.2f} M€.")
+    head("sequences", "J [M€]", "most propellant [kg]", "rules broken")
+    theirs, own = ([legs_m_s(mission, rows) for mission in each] for each in (winner, ours))
+    published = [mission.flown_m_s for mission in winner]
+    for name, found in (
+        ("the winner's, ΔV as flown", score(winner, published, len(rows), ROUNDED_D)),
+        ("the winner's, ΔV of the estimate", score(winner, theirs, len(rows), ROUNDED_D)),
+        ("ours of `best.json`, ΔV of the estimate", score(ours, own, len(rows))),
+        ("ours of `flown.json`, flown with the full J2", flown.score),
+    ):
+        broken = len(found.violations)
+        row(name, f"{found.total_meur:.2f}", f"{max(found.propellant_kg):.0f}", broken)
+    print(*flown.violations, sep="\n")

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
 
 from adr_opt.common.constants import DAY_S, OBLATENESS_M2
 from adr_opt.kernels.legs import drift, drift_linear, drift_pair
@@ -56,30 +55,6 @@ class Leg(NamedTuple):
     def first_order(self) -> float:
         """ΔV by the first-order form, without phase [m/s]."""
         return float(drift_linear.delta_v(self.pair, self.departure, self.arrival))
-
-    @property
-    def least_sum(self) -> float:
-        """The least sum of the two ΔV, instead of that of their squares [m/s]."""
-        pair, span = self.pair, self.arrival - self.departure
-        node = drift_linear.node_left(pair, self.arrival)
-        shape = drift_linear.shape_left(pair, self.arrival)
-        left = np.array([node, pair.climb, pair.tilt])
-        matrix = np.eye(3)
-        matrix[0, 1:] = -pair.by_radius * span, -pair.by_inclination * span
-
-        def total(b: np.ndarray) -> float:
-            ends = b, left - matrix @ b
-            return float(sum(np.sqrt(end @ end + shape * shape + 1e-9) for end in ends))
-
-        climb = drift_linear.climb_of(pair, span, node)
-        along, tilt = drift_linear.split_at(pair, span, node, climb)
-        # The sum has more than one valley: everything at an end, or half of it.
-        starts = (
-            np.array([along, climb, tilt]),
-            np.full(3, 1e-3),
-            0.9 * np.linalg.solve(matrix, left),
-        )
-        return float(min(minimize(total, start, method="BFGS").fun for start in starts))
 
 
 def read_legs(folder: Path) -> list[Leg]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from tables import head, row, timed
 
 import adr_opt
 from adr_opt.problem.bodies import Station, Target
@@ -17,7 +18,9 @@ from adr_opt.problem.settings import GivenFile, MissionSettings, TransferSetting
 
 from ..reading import FloatArray
 from .estimate import matrices
-from .scoring import LOAD, LONGEST_S, MOST_M_S, Route
+from .published import PLAN, TOTAL_M_S
+from .reading import FILE, read_debris, with_centroid
+from .scoring import LOAD, LONGEST_S, MOST_M_S, Route, score
 
 NAME = "odrc"
 
@@ -76,10 +79,10 @@ def plan(bodies: FloatArray, steps: int, chasers: int, time_limit_s: float) -> O
     duration, delta_v = matrices(bodies, departures)
     duration[:, :, 0] = delta_v[:, :, 0] = np.inf
     instance = instance_of(len(bodies) - 1, chasers)
-    began = time.perf_counter()
     given = instance.with_given(of_matrices(departures, duration, delta_v, instance.names))
-    result = adr_opt.solve(given, "exact", time_limit=time_limit_s, cost=True)
-    spent = time.perf_counter() - began
+    result, spent, _ = timed(
+        lambda: adr_opt.solve(given, "exact", time_limit=time_limit_s, cost=True)
+    )
     assert result.plan is not None
     assert adr_opt.check(given, result.plan) == ()
     number = {target.name: at for at, target in enumerate(instance.targets)}
@@ -93,3 +96,22 @@ def plan(bodies: FloatArray, steps: int, chasers: int, time_limit_s: float) -> O
     ]
     proven = result.plan.cost_status == "optimal"
     return Ours(result.plan.cost, result.plan.cost_bound, proven, routes, spent)
+
+
+def report(folder: Path, time_limit_s: float, steps: int = 365, finer: int = 10) -> None:
+    """Print the published plan scored again, and ours on two grids of departures in the year."""
+    bodies = with_centroid(read_debris(folder / FILE))
+    published = score(bodies, PLAN)
+    wrong = [*published.violations]
+    head("instance", "published [m/s]", "re-scored", "ours", "bound", "time")
+    for grid in (steps, steps * finer):
+        ours = plan(bodies, grid, 3, time_limit_s)
+        scored = score(bodies, ours.routes)
+        wrong += scored.violations
+        row(
+            f"{NAME}, {grid} departures",
+            *(f"{each:.1f}" for each in (TOTAL_M_S, published.total_m_s, scored.total_m_s)),
+            "–" if ours.least_m_s is None else f"{ours.least_m_s:.1f}",
+            f"{ours.time_s:.1f} s",
+        )
+    print(*wrong, sep="\n")

@@ -22,9 +22,11 @@ import math
 import time
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from tables import head, row
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -35,7 +37,16 @@ from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import GivenFile, MissionSettings, TransferSettings
 
 from ..reading import FloatArray
-from .reading import FIRST_MS, SLOT_MS, Places
+from .reading import (
+    FIRST_MS,
+    SLOT_MS,
+    Optimum,
+    Places,
+    instance_files,
+    read_optima,
+    read_places,
+    travel_of,
+)
 from .scoring import score
 
 STEP_MS = 120_000.0
@@ -251,3 +262,54 @@ def plan(
             points = finer
     spent = time.perf_counter() - clock[0], time.process_time() - clock[1]
     return Ours(best, bound, found, rounds, *spent)
+
+
+def report(folder: Path, time_limit_s: float) -> None:
+    """Print the tables: static first, then time-dependent."""
+    files = instance_files(folder)
+    published = read_optima(folder / "optima.csv")
+    for varying in (False, True):
+        for path in files:  # what is missing or broken is said before the first of them is planned
+            travel_of(path, read_places(path), varying=varying)
+    for varying in (False, True):
+        print(f"\n{'Time-dependent' if varying else 'Static'} travel times; others are CPLEX 12.6")
+        head("instance", "published [score]", "ours", "bound", "time", "time of others")
+        rows = [
+            _row(path, varying, None if varying else published.get(path.stem), time_limit_s)
+            for path in files
+        ]
+        proven = sum(found.score == found.bound for found, _ in rows)
+        seconds = sum(found.time_s for found, _ in rows)
+        print(f"\n{proven} of {len(rows)} proven, in {seconds:.1f} s.")
+        closed = [(found, known) for found, known in rows if known is not None and known.is_proven]
+        if closed:
+            same = sum(known.score == found.score == found.bound for found, known in closed)
+            taken = sum(found.time_s for found, _ in closed)
+            theirs = sum(known.taken_s for _, known in closed)
+            print(
+                f"Of the {len(closed)} that CPLEX proved, {same} have the same score and are "
+                f"proven, in {taken:.1f} s where CPLEX took {theirs:,.1f} s, "
+                f"{theirs / taken:,.0f} times as long."
+            )
+
+
+def _row(
+    path: Path, varying: bool, known: Optimum | None, time_limit_s: float
+) -> tuple[Ours, Optimum | None]:
+    """Print results of others and ours on an instance; our score is that of the scorer."""
+    places = read_places(path)
+    travel = travel_of(path, places, varying=varying)
+    ours = plan(places, travel, time_limit_s)
+    judged = score(places, travel, ours.tour)
+    if judged.violations or judged.score != ours.score:
+        raise RuntimeError(f"{places.name}: {judged} is not the {ours.score:g} of our plan")
+    star = "" if known is None or known.is_proven else f" ({known.status})"
+    row(
+        places.name + star,
+        "–" if known is None else f"{known.score:g}",
+        f"{judged.score:g}",
+        f"{ours.bound:g}",
+        f"{ours.time_s:,.1f} s",
+        "–" if known is None else f"{known.taken_s:,.1f} s",
+    )
+    return ours, known

@@ -70,17 +70,13 @@ def read_places(path: Path) -> Places:
     ignored.
     """
     lines = list(filled_lines(path))
-    if len(lines) < 2:
-        raise InputError(f"{path}: no number of places and longest tour in it")
-    (count,) = numbers_of(lines[0][1], 1, f"{path}: line {lines[0][0]}")
-    (longest,) = numbers_of(lines[1][1], 1, f"{path}: line {lines[1][0]}")
-    if len(lines) - 2 != count or count < 2:
-        raise InputError(f"{path}: {len(lines) - 2} places where it announces {count:g}")
+    (count,), (longest,) = (
+        numbers_of(line, 1, f"{path}: line {number}") for number, line in lines[:2]
+    )
     rows = [numbers_of(line, 6, f"{path}: line {number}", ";") for number, line in lines[2:]]
     columns = np.array(rows).T
-    for (number, _), opens, closes in zip(lines[2:], columns[4], columns[5], strict=True):
-        if opens > closes:
-            raise InputError(f"{path}: line {number}: closes at {closes:g}, opens at {opens:g}")
+    if len(rows) != count or (columns[4] > columns[5]).any():
+        raise InputError(f"{path}: not {count:g} places with windows; give the file as it is")
     return Places(path.stem, longest, columns[1], columns[3], columns[4], columns[5])
 
 
@@ -117,14 +113,12 @@ def travel_of(path: Path, places: Places, *, varying: bool) -> FloatArray:
 
 def read_optima(path: Path) -> dict[str, Optimum]:
     """Published results of the static instances, by name."""
-    found = {}
-    for number, row in enumerate(csv.DictReader(read_text(path).splitlines()), 2):
-        where = f"{path}: line {number}"
-        try:
-            figures = row["score"], row["cplex_12_6_seconds"]
-            name, status = row["name"], row["status"]
-        except KeyError as error:
-            raise InputError(f"{path}: no column {error}; give the file as it is") from None
-        score, taken = numbers_of(";".join(figure or "?" for figure in figures), 2, where, ";")
-        found[name] = Optimum(score, taken, status or "")
-    return found
+    try:
+        return {
+            row["name"]: Optimum(
+                float(row["score"]), float(row["cplex_12_6_seconds"]), row["status"] or ""
+            )
+            for row in csv.DictReader(read_text(path).splitlines())
+        }
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: no optima: {error!r}; give the file as it is") from None

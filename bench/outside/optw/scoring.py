@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..reading import FloatArray
 from .reading import FIRST_MS, SLOT_MS, Places
 
@@ -78,21 +76,3 @@ def score(places: Places, travel: FloatArray, tour: Sequence[int]) -> Score:
     if now > begin + places.longest_ms:
         broken.append(f"{now - begin:.0f} ms, longer than {places.longest_ms:.0f}")
     return Score(float(places.score[list(tour)].sum()), now, tuple(broken))
-
-
-def matrices(travel: FloatArray, departures_ms: Sequence[float]) -> tuple[FloatArray, FloatArray]:
-    """Ways at given departures: what planners on matrices see.
-
-    Returns
-    -------
-    duration, cost : (departures, origin, destination) float64
-        [s], infinite from a place to itself, and nought.
-    """
-    count = travel.shape[0]
-    duration = np.empty((len(departures_ms), count, count))
-    for place, departure in enumerate(departures_ms):
-        for i in range(count):
-            for j in range(count):
-                taken = travel_ms(travel, i, j, departure)
-                duration[place, i, j] = math.inf if i == j else taken / 1e3
-    return duration, np.zeros(duration.shape)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy.typing as npt
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import read_text
 
-from ..reading import FloatArray, floats_of, read_object, sequence_of
+from ..reading import FloatArray, read_object
 
 BEST = "best.tsv"
 
@@ -57,52 +56,34 @@ class Roads:
 
 def read_roads(path: Path) -> Roads:
     """An instance; ways that its graph does not have are closed."""
-    content, where = read_object(path), str(path)
-    zones = [_floats(zone, 2, where, "speed_zones") for zone in _rows(content, "speed_zones", path)]
-    if not zones or any(zone[1] != after[0] for zone, after in pairwise(zones)):
-        raise InputError(f"{where}: speed_zones are not one after the other")
-    if any(zone[0] >= zone[1] for zone in zones):
-        raise InputError(f"{where}: a speed zone ends before it begins")
-    windows = [
-        _floats(each, 2, where, "time_windows") for each in _rows(content, "time_windows", path)
-    ]
-    places = len(windows)
-    speeds = np.array(
-        [
-            _floats(row, len(zones), where, "cluster_speeds")
-            for row in _rows(content, "cluster_speeds", path)
-        ]
-    )
-    if not (speeds > 0.0).all():
-        raise InputError(f"{where}: a speed in cluster_speeds is not positive")
-    tables = {
-        key: np.array([_floats(row, places, where, key) for row in rows])
-        for key, rows in (
-            ("distances", _rows(content, "distances", path)),
-            ("clusters", _rows(content, "clusters", path)),
-            ("arcs", _rows(content.get("digraph") or {}, "arcs", path)),
+    content = read_object(path)
+    try:
+        zones, windows, speeds, distance, clusters, arcs = (
+            np.array(each, dtype=float)
+            for each in (
+                *(content[key] for key in ("speed_zones", "time_windows", "cluster_speeds")),
+                *(content["distances"], content["clusters"], content["digraph"]["arcs"]),
+            )
         )
-    }
-    for key, table in tables.items():
-        if table.shape != (places, places):
-            raise InputError(f"{where}: {key} is not a table of the {places} places")
-    start, end = (_place(content, key, places, where) for key in ("start_depot", "end_depot"))
-    horizon = floats_of(content, "horizon", 2, where)
-    there = (tables["arcs"] != 0.0) & ~np.eye(places, dtype=np.bool_)
-    cluster = np.where(there, tables["clusters"], -1.0).astype(np.int64)
-    if (there & ((cluster < 0) | (cluster >= len(speeds)))).any():
-        raise InputError(f"{where}: a way is of no cluster")
-    return Roads(
-        path.stem,
-        start,
-        end,
-        horizon[1],
-        np.array([*(zone[0] for zone in zones), zones[-1][1]]),
-        speeds,
-        cluster,
-        tables["distances"],
-        *np.array(windows).T,
-    )
+        start, end = int(content["start_depot"]), int(content["end_depot"])
+        places, latest = len(windows), float(content["horizon"][1])
+        there = (arcs != 0.0) & ~np.eye(places, dtype=np.bool_)
+        cluster = np.where(there, clusters, -1.0).astype(np.int64)
+        sound = (
+            (zones[1:, 0] == zones[:-1, 1]).all()
+            and (zones[:, 0] < zones[:, 1]).all()
+            and (speeds > 0.0).all()
+            and speeds.shape[1] == len(zones)
+            and distance.shape == cluster.shape == (places, places)
+            and {start, end} <= set(range(places))
+            and ((cluster[there] >= 0) & (cluster[there] < len(speeds))).all()
+        )
+    except (IndexError, KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: no instance: {error!r}; give the file as it is") from None
+    if not sound:
+        raise InputError(f"{path}: zones, speeds, ways or depots do not go together")
+    edges = np.append(zones[:, 0], zones[-1, 1])
+    return Roads(path.stem, start, end, latest, edges, speeds, cluster, distance, *windows.T)
 
 
 def instance_files(folder: Path) -> list[Path]:
@@ -123,18 +104,3 @@ def read_best(path: Path) -> dict[str, float]:
         except (IndexError, ValueError):
             raise InputError(f"{path}: line {number}: no figure; give the file as it is") from None
     return found
-
-
-def _rows(content: dict, key: str, path: Path) -> list:  # type: ignore[type-arg]
-    return sequence_of(content, key, str(path))
-
-
-def _floats(row: object, count: int, where: str, key: str) -> tuple[float, ...]:
-    return floats_of({key: row}, key, count, where)
-
-
-def _place(content: dict, key: str, places: int, where: str) -> int:  # type: ignore[type-arg]
-    value = content.get(key)
-    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < places:
-        raise InputError(f"{where}: {key} is no place")
-    return value

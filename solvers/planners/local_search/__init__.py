@@ -5,10 +5,6 @@ removes targets one move at a time; *ruin and recreate* keeps a beginning of the
 builds a new end for it by a narrow noisy beam. Refuelling stops are not moved but solved for, see
 :mod:`solvers.orders.timed_order`. Every candidate is timed exactly, from the first change on, and
 given up as soon as it cannot be accepted.
-
-The package ``alns``, given operators of the same kernels, finds plans as good in the same time
-(``bench/local_search.py``): the kernels do the work, not the loop. So the loop here stays, and the
-dependency is left out.
 """
 
 from __future__ import annotations

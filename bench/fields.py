@@ -1,0 +1,105 @@
+"""Missions that several experiments measure on: drawn, changed, imported, and made ready."""
+
+from __future__ import annotations
+
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+import adr_opt
+from adr_opt import Instance, Plan
+from adr_opt.common.errors import InputError
+from adr_opt.mission.problem import Problem, problem_of
+
+ROOT = Path(__file__).resolve().parents[1]
+INSTANCES = ROOT / "instances"
+
+
+def ready(instance: Instance) -> Problem:
+    """The problem of an instance with all its timetables."""
+    problem = problem_of(instance)
+    for mission in problem.missions:
+        mission.rules  # noqa: B018  builds the timetable
+    return problem
+
+
+def falling(instance: Instance, prizes: Sequence[float]) -> Instance:
+    """The same with these prizes of each target, one after the other in equal parts of the time."""
+    if not prizes:
+        return instance
+    part_s = instance.mission.duration_s / len(prizes)
+    levels = tuple((part_s * (n + 1), prize) for n, prize in enumerate(prizes[:-1])) or None
+    targets = (target.replace(prize=prizes[-1], prize_until=levels) for target in instance.targets)
+    return instance.replace(targets=tuple(targets))
+
+
+def numbers(text: str) -> list[float]:
+    """Numbers as typed: ``2,1``; none of an empty text."""
+    return [float(each) for each in text.split(",") if each]
+
+
+def eccentric(instance: Instance, most: float, seed: int) -> Instance:
+    """A field under J2, its targets on ellipses of any shape up to an eccentricity."""
+    rng = np.random.default_rng(seed)
+    targets = tuple(
+        target.replace(
+            orbit=target.orbit.replace(
+                eccentricity=most * float(rng.random()),
+                argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
+            )
+        )
+        for target in instance.targets
+        if target.orbit is not None
+    )
+    return instance.replace(dynamics="j2", targets=targets)
+
+
+def imported(catalogue: Path, options: str) -> Instance:
+    """An instance that the verb ``import`` makes of a catalogue."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "instance.json"
+        command = [sys.executable, "-m", "adr_opt", "import", str(catalogue), "--quiet"]
+        subprocess.run([*command, *options.split(), "--out", str(out)], check=True)
+        return adr_opt.load(out)
+
+
+def external(*patterns: str) -> list[Path]:
+    """Files of the folder that the variable ADR_OPT_EXTERNAL_DATA names, by patterns.
+
+    Raises
+    ------
+    InputError
+        The variable names no folder.
+    """
+    folder = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", ""))
+    if folder == Path() or not folder.is_dir():
+        raise InputError("ADR_OPT_EXTERNAL_DATA names no folder of catalogues")
+    return [path for pattern in patterns for path in sorted(folder.glob(pattern))]
+
+
+def best_known() -> dict[str, dict[str, str]]:
+    """The rows of ``instances/best-known.csv`` by instance."""
+    with (INSTANCES / "best-known.csv").open(newline="", encoding="utf-8") as file:
+        return {each["instance"]: each for each in csv.DictReader(file)}
+
+
+def best_plan(name: str, limit_s: float = 60.0) -> Plan:
+    """The plan of a committed instance that is kept whole, or one by ``auto`` of a drawn one."""
+    path = INSTANCES / "best-known" / f"{name}.json"
+    if path.exists():
+        return adr_opt.load_plan(path)
+    family, _, seed = name.rpartition("-")
+    return planned(adr_opt.generate(family, int(seed)), "auto", limit_s)
+
+
+def planned(instance: Instance, method: str = "greedy-guarded", limit_s: float = 100.0) -> Plan:
+    """The plan of a method; there must be one."""
+    plan = adr_opt.solve(instance, method, time_limit=limit_s, seed=0).plan
+    assert plan is not None
+    return plan

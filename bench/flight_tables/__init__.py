@@ -1,0 +1,1 @@
+"""Refined flights measured: a module for each question."""

@@ -1,0 +1,1 @@
+"""Closed forms of legs compared: a module for each kind."""

@@ -1,0 +1,19 @@
+"""Accuracy of legs: closed forms against optimised, published and flown transfers.
+
+python bench/legs.py low-thrust
+python bench/legs.py classes
+python bench/legs.py thrust-flown --legs 60
+python bench/legs.py thrust-spans --legs 160
+python bench/legs.py drift --gtoc9 FOLDER
+python bench/legs.py eccentricity [CATALOGUE...]
+"""
+
+import sys
+
+from leg_costs.drift import drift
+from leg_costs.low_thrust import low_thrust
+from leg_costs.low_thrust_missions import classes, thrust_flown
+from tables import experiment
+
+if __name__ == "__main__":
+    sys.exit(experiment(__doc__, low_thrust, classes, thrust_flown, drift))

@@ -1,0 +1,343 @@
+"""Rehearsals: policies in uncertain worlds, plans with a confidence, replanning.
+
+python bench/rehearsals.py speed
+python bench/rehearsals.py scenarios --rehearsals 100 --worlds 30 --limit 20
+python bench/rehearsals.py robust --count 5 --limit 60
+python bench/rehearsals.py charges --count 5000
+python bench/rehearsals.py campaign CATALOGUE --limit 60 --replanned 20 --worlds 5
+python bench/rehearsals.py replan --seeds 0 1 2 --days 2 3 4
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections import Counter
+from pathlib import Path
+from statistics import mean
+from typing import Any
+
+import numpy as np
+from fields import best_plan, imported
+from tables import experiment, head, row, timed
+
+import adr_opt
+from adr_opt.analysis import replan as replanned_by
+from adr_opt.analysis.rehearse.bounds import bounds
+from adr_opt.analysis.rehearse.sampling import rehearse
+from adr_opt.analysis.rehearse.tries import TryWorths
+from adr_opt.analysis.robust.robust import robust as robust_plan
+from adr_opt.common.clock import count_processor_time
+from adr_opt.common.constants import DAY_S
+from adr_opt.legs.corrections import Moments, RiskCharge
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import KeepOutZone
+from adr_opt.problem.uncertainty import Uncertainty
+from adr_opt.ui.report.plain import write_page
+from adr_opt.ui.report.rehearsed import rehearsed_page
+
+SCENARIOS = {
+    "dear": Uncertainty(legs={"delta_v_factor": {"lognormal_sigma": 0.1}}),
+    "captures": Uncertainty(capture={"success": 0.8, "tries": 2}, gone=0.05),
+    "slow": Uncertainty(
+        service_s={"factor": {"lognormal_sigma": 0.5}, "added": {"chance": 0.1, "mean_s": 14400.0}},
+        launches={"slip_s": {"mean_s": 43200.0}},
+    ),
+}
+
+PRICED = ("captures", "slow")
+"""Scenarios in which penalties price time, at what the plan collects in a day."""
+
+
+def speed(
+    seed: int = 0,
+    follow: int = 10_000,
+    replan: int = 200,
+    proofs: int = 100,
+    processor_time: bool = False,
+    method: str = "exact",
+    limit: float = 20.0,
+) -> None:
+    """Times of rehearsals of the best-known plan of a nominal field, and of proofs, in ``dear``.
+
+    With ``--processor-time``, here and below, limits of planners and proofs count the processor
+    time of their threads, so that other work on the machine changes no result.
+    """
+    if processor_time:
+        count_processor_time()
+    instance, plan = adr_opt.generate("nominal", seed), best_plan(f"nominal-{seed:03d}")
+    dear = SCENARIOS["dear"]
+    head("what", "number", "wall", "processor", "of them")
+    for policy, number in (("follow", follow), ("replan", replan)):
+        rehearse(instance, plan, dear, policy=policy, samples=1)
+        _, wall, used = timed(
+            lambda: rehearse(instance, plan, dear, policy=policy, samples=number)  # noqa: B023
+        )
+        row(f"`{policy}`", number, f"{wall:.1f} s", f"{used:.1f} s", "")
+    found, wall, used = timed(
+        lambda: bounds(instance, dear, samples=proofs, method=method, time_limit=limit)
+    )
+    said = f"{sum(each.proven for each in found.worlds)} proven, {limit:g} s each at most"
+    row("perfect information", proofs, f"{wall:.1f} s", f"{used:.1f} s", said)
+
+
+def scenarios(
+    seed: int = 0,
+    rehearsals: int = 100,
+    worlds: int = 30,
+    first_world: int = 0,
+    processor_time: bool = False,
+    method: str = "exact",
+    limit: float = 20.0,
+    scenarios: tuple[str, ...] = tuple(SCENARIOS),
+    policies: tuple[str, ...] = ("follow", "skip", "replan", "beam", "learned"),
+) -> None:
+    """Gaps of each policy in each scenario, in the same worlds, to bounds on every policy.
+
+    ``dear``: legs cost a factor of lognormal spread 0.1; ``captures``: a try succeeds with a chance
+    of 0.8, two tries, and 5 % of the targets are gone; ``slow``: services take a factor of spread
+    0.5, and one in ten 4 hours more on average. No bounds with ``--worlds 0``.
+    """
+    if processor_time:
+        count_processor_time()
+    instance, plan = adr_opt.generate("nominal", seed), best_plan(f"nominal-{seed:03d}")
+    print(f"{instance.name}, planned prize {plan.objective:g}")
+    head(
+        *("scenario", "policy", "rehearsals", "prize", "gap to perfect", "gap to penalised"),
+        "s each",
+    )
+    for name in scenarios:
+        found, priced = None, name in PRICED
+        price = plan.objective / (instance.mission.duration_s / DAY_S) if priced else 0.0
+        if worlds:
+            found = bounds(
+                instance,
+                SCENARIOS[name],
+                samples=worlds,
+                seed=first_world,
+                method=method,
+                time_limit=limit,
+                time_price=price,
+            )
+            told = found.to_dict()
+            proven = f"{told['proven']} of {told['samples']} proven"
+            row(name, "perfect bound", proven, _mean(told["perfect"]), *[""] * 3)
+            if priced:
+                said = f"penalised bound, {price:.1f} prizes a day"
+                row(name, said, proven, _mean(told["penalised"]), *[""] * 3)
+        for policy in policies:
+            number = 10 * rehearsals if policy in ("follow", "skip") else rehearsals
+            made = rehearse(
+                instance, plan, SCENARIOS[name], policy=policy, samples=number, seed=first_world
+            )
+            gaps = {} if found is None else found.gaps(made)
+            row(
+                name,
+                f"`{policy}`",
+                number,
+                _mean(made.to_dict()["prize"]),
+                _gap(gaps.get("perfect")),
+                _gap(gaps.get("penalised") if priced else None),
+                f"{made.runtime_s / number:.3f}",
+            )
+
+
+def _mean(found: dict[str, Any]) -> str:
+    error = found["standard_error"]
+    return f"{found['mean']:.2f}" + ("" if error is None else f" ± {error:.2f}")
+
+
+def _gap(found: dict[str, Any] | None) -> str:
+    if found is None or found["gap"] is None:
+        return ""
+    ends = "" if found["low"] is None else f" ({found['low']:.1%} to {found['high']:.1%})"
+    return f"{found['gap']:.1%}{ends}"
+
+
+_DEAR = {"delta_v_factor": {"lognormal_sigma": 0.05}}
+_SLOW = {"factor": {"lognormal_sigma": 0.2}}
+
+CONFIDENT = {
+    "dear": Uncertainty(legs=_DEAR),
+    "dearer": Uncertainty(legs={"delta_v_factor": {"lognormal_sigma": 0.1}}),
+    "mixed": Uncertainty(legs=_DEAR, service_s=_SLOW),
+    "captures": Uncertainty(legs=_DEAR, capture={"success": 0.8, "tries": 2}),
+}
+"""Scenarios of plans with a confidence."""
+
+
+def robust(
+    family: str = "nominal",
+    count: int = 5,
+    confidence: float = 0.95,
+    limit: float = 60.0,
+    samples: int = 2000,
+    scenarios: tuple[str, ...] = tuple(CONFIDENT),
+) -> None:
+    """What a confidence costs, and how often plans are kept when they are followed.
+
+    Each field is planned as it is, by the best-known plan or by ``auto``, and with a confidence in
+    each scenario; both plans are followed in the same worlds, which planning does not know:
+    ``dear``: legs cost a factor of lognormal spread 0.05; ``dearer``: of 0.1; ``mixed``: of 0.05,
+    and services take a factor of spread 0.2; ``captures``: of 0.05, and a try succeeds with a
+    chance of 0.8, two tries. *Prize* is what going to the targets is worth on average, a target
+    without captures its prize.
+    """
+    head("field", "scenario", "plain: prize", "kept", "robust: prize", "bound", "kept", "s")
+    rows: dict[str, list[tuple[float, float]]] = {}
+    for seed in range(count):
+        instance = adr_opt.generate(family, seed)
+        known = best_plan(f"{family}-{seed:03d}", limit)
+        for name in scenarios:
+            world = CONFIDENT[name]
+            made, took_s, _ = timed(
+                lambda: robust_plan(instance, world, confidence, "auto", time_limit=limit)  # noqa: B023
+            )
+            without = worth(instance, known, world)
+            before = kept(instance, known, world, samples)
+            cells = ["none", f"{made.upper_bound:.2f}", ""]
+            if made.plan is not None:
+                share, collects = (
+                    kept(instance, made.plan, world, samples),
+                    worth(instance, made.plan, world),
+                )
+                scale = collects / made.worth if made.worth > 0.0 else 1.0
+                cells = [f"{collects:.2f}", f"{made.upper_bound * scale:.2f}", f"{share:.1%}"]
+                rows.setdefault(name, []).append((without - collects, share))
+            plain = f"{without:.2f}", f"{before:.1%}"
+            row(instance.name, name, *plain, *cells, f"{took_s:.0f}")
+    for name, found in rows.items():
+        losses, shares = zip(*found, strict=True)
+        print(
+            f"\n{name}: {mean(losses):.2f} less in the mean, {max(losses):.2f} at most; kept in "
+            f"{min(shares):.1%} at least, {mean(shares):.1%} in the mean"
+        )
+
+
+def kept(instance: Instance, plan: Plan, uncertainty: Uncertainty, samples: int) -> float:
+    """Share of rehearsals in which nothing is lost but to captures."""
+    made = rehearse(instance, plan, uncertainty, samples=samples)
+    return float(made.to_dict()["as_planned"]["share"])
+
+
+def worth(instance: Instance, plan: Plan, uncertainty: Uncertainty) -> float:
+    """What going to the targets of a plan is worth on average."""
+    worths, number = TryWorths(instance, uncertainty), {n: i for i, n in enumerate(instance.names)}
+    targets = {target.name for target in instance.targets}
+    return math.fsum(worths.most(number[name]) for name in plan.destinations if name in targets)
+
+
+def charges(count: int = 5000) -> None:
+    """What the charges on legs take of drawn tanks that are just kept (docs/model.md, 13.4)."""
+    rng, taken = np.random.default_rng(0), []
+    while len(taken) < count:
+        legs, score = int(rng.integers(1, 20)), float(rng.uniform(0.0, 3.5))
+        factor, sigma = np.exp(rng.uniform(-0.1, 0.1, legs)), rng.uniform(0.0, 0.3, legs)
+        size = rng.exponential(1.0, legs) ** rng.uniform(0.3, 2.0)
+        # Without a share that can be used, what a tank has to hold grows with its legs.
+        full = float((factor * size).sum() + score * np.sqrt(((sigma * size) ** 2).sum()))
+        factors = {
+            (str(leg), "short"): Moments(float(factor[leg]), float(sigma[leg]))
+            for leg in range(legs)
+        }
+        charge = RiskCharge(score, full, factors=factors)
+        total = sum(float(charge.charged(str(leg), "short", size[leg])) for leg in range(legs))
+        taken.append(total / full)
+    head("tanks", "5 % take less than", "half take less than", "most")
+    low, middle = np.quantile(taken, [0.05, 0.5])
+    row(count, f"{low:.1%}", f"{middle:.1%}", f"{max(taken):.4%}")
+
+
+def campaign(
+    catalogue: Path,
+    limit: float = 60.0,
+    followed: int = 2000,
+    replanned: int = 20,
+    worlds: int = 5,
+    bound_limit: float = 20.0,
+    out: str | None = None,
+) -> None:
+    """A campaign on a real catalogue, planned plainly and with a confidence, and rehearsed.
+
+    Three chasers are launched three days apart among the 40 objects of the densest plane, each with
+    1,000 m/s, for two weeks. Legs cost a factor of lognormal spread 0.05, services take one of 0.2,
+    a capture succeeds with a chance of 0.9, two tries. Both plans are followed, and replanned when
+    something goes otherwise; the gap is that to the bound on every policy of which penalties have
+    taken out the luck of captures. With ``--out`` the rehearsals of the robust plan are written as
+    a page.
+    """
+    crew = "--launches 3 --launch-every 3 --delta-v 1000 --no-refuelling --dynamics j2"
+    instance = imported(catalogue, f"--max-targets 40 --duration-days 14 {crew}")
+    world = Uncertainty(legs=_DEAR, service_s=_SLOW, capture={"success": 0.9, "tries": 2})
+    plain = adr_opt.solve(instance, time_limit=limit).plan
+    made = robust_plan(instance, world, 0.95, time_limit=limit)
+    for note in made.notes:
+        print(f"robust: {note}")
+    bounded = bounds(instance, world, samples=worlds, time_limit=bound_limit)
+    head("plan", "policy", "rehearsals", "planned", "prize", "as planned", "gap")
+    lost = []
+    plans = {"plain": plain, "robust": made.plan}
+    for name, plan in ((name, plan) for name, plan in plans.items() if plan is not None):
+        for policy, samples in (("follow", followed), ("replan", replanned)):
+            flown = rehearse(instance, plan, world, policy=policy, samples=samples)
+            told, gaps = flown.to_dict(), bounded.gaps(flown)
+            gap = gaps.get("penalised", gaps["perfect"])["gap"]
+            shares = f"{told['as_planned']['share']:.1%}", f"{gap:.1%}"
+            prizes = f"{plan.objective:g}", _mean(told["expected_prize"])
+            row(name, f"`{policy}`", samples, *prizes, *shares)
+            most = Counter(told["losses"]).most_common(4)
+            said = ", ".join(f"{reason} {number:.2f}" for reason, number in most)
+            lost.append(f"{name}, {policy}: {said or 'nothing'}")
+            if out and (name, policy) == ("robust", "follow"):
+                write_page(out, rehearsed_page(flown, told))
+    print("\nLost on average, by reason:", *lost, sep="\n")
+
+
+def replan(
+    seeds: tuple[int, ...] = (0, 1, 2, 3),
+    days: tuple[float, ...] = (2.0, 3.0, 4.0),
+    limit: float = 20.0,
+) -> None:
+    """From a new zone to a new plan: how long it takes, and what it collects.
+
+    For each nominal field and each day on which a zone of ten kilometres falls in, for a day, an
+    hour after it is known: the rest of the best-known plan is planned anew, timetable included,
+    after a warm-up; times are the least of three runs. Beside it stand the rest by ``auto``, which
+    tells what is still possible, and the whole mission by ``auto`` with the zone known from the
+    start.
+    """
+    for method in ("beam", "auto"):
+        adr_opt.solve(adr_opt.generate("tiny", 0), method, time_limit=5.0)
+    head(
+        *("field", "day", "wall", "processor", "collected", "by `auto`", "its rest"),
+        *("without zone", "known from the start", "its bound"),
+    )
+    for seed, day in ((seed, day) for seed in seeds for day in days):
+        instance, plan = adr_opt.generate("nominal", seed), best_plan(f"nominal-{seed:03d}")
+        at_s = day * DAY_S
+        zone = KeepOutZone(
+            min_altitude_m=740e3, max_altitude_m=750e3, start_s=at_s + 3600.0, end_s=at_s + DAY_S
+        )
+        runs = [
+            timed(lambda: replanned_by(instance, plan, at_s, zones=[zone]))  # noqa: B023
+            for _ in range(3)
+        ]
+        made = runs[0][0]
+        targets = {target.name for target in instance.targets}
+        flown = sum(leg.destination in targets for state in made.states for leg in state.legs)
+        best = replanned_by(instance, plan, at_s, zones=[zone], method="auto", time_limit=limit)
+        known = adr_opt.solve(instance.replace(keep_out_zones=(zone,)), "auto", time_limit=limit)
+        row(
+            instance.name,
+            f"{day:g}",
+            *(f"{min(run[at] for run in runs):.2f} s" for at in (1, 2)),
+            f"{flown + made.prize_after:g}",
+            f"{flown + best.prize_after:g}",
+            best.result.status,
+            *(f"{each:g}" for each in (plan.objective, known.objective, known.upper_bound)),
+        )
+
+
+if __name__ == "__main__":
+    sys.exit(experiment(__doc__, speed, scenarios, robust, charges, campaign, replan))
