@@ -139,12 +139,14 @@ def test_visits_beside_those_of_the_study_are_those_measured() -> None:
 
 
 def test_versions_agree() -> None:
-    """What is cited, what is installed and what is said to be made are one version."""
+    """What is cited is the last release; what is installed is it, or on the way to the next one."""
     version = tomllib.loads(read("pyproject.toml"))["project"]["version"]
     assert adr_opt.__version__ == version
-    assert f"\nversion: {version}\n" in read("CITATION.cff")
-    assert f"version = {{{version}}}" in read("docs/citing.md")
-    assert version in read("CHANGELOG.md")
+    released = re.findall(r"^## (\S+) \(\d{4}-\d\d-\d\d\)", read("CHANGELOG.md"), re.MULTILINE)[0]
+    unreleased = re.findall(r"^## (\S+) \(unreleased\)", read("CHANGELOG.md"), re.MULTILINE)
+    assert version == (f"{unreleased[0]}.dev0" if unreleased else released)
+    assert f"\nversion: {released}\n" in read("CITATION.cff")
+    assert f"version = {{{released}}}" in read("docs/citing.md")
 
 
 def test_the_committed_instances_are_what_their_names_say() -> None:
