@@ -34,8 +34,8 @@ from adr_opt.kernels.orbits.ephemeris import secular_rates
 from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.kernels.orbits.short_periods import Array, osculating
 from adr_opt.plan.refined_plan import RefinedPlan
-from adr_opt.problem.fit import Fit
 from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Fit
 from adr_opt.sources import catalogue
 from adr_opt.sources.ephemerides import ephemerides_of
 from adr_opt.sources.ephemerides.ephemeris import TurningAxes

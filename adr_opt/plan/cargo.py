@@ -11,11 +11,11 @@ import numpy as np
 
 from ..common.constants import SLACK_M_S
 from ..kernels.rules.loads import Loads, after_service
+from ..problem.bodies import SERVICES
 from ..problem.chasers import Chaser, TankByMass
 from ..problem.drives import drive_of
 from ..problem.instance import Instance
 from ..problem.rules import most_targets
-from ..problem.services import SERVICES
 from .tows import removals_by_name, removals_of
 
 NOTHING: Mapping[str, float] = MappingProxyType({})

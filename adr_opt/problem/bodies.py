@@ -1,16 +1,119 @@
-"""Bodies of an instance that chasers visit: stations and targets."""
+"""Bodies of an instance that chasers visit: stations and targets.
+
+A target has a prize, which may fall with the end of its service, and needs a kind of service, which
+may take a kit or a flight.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from ..common.records import LARGEST_MASS_KG, Count, Name, Record, Window, check_window, without
-from .falling_prizes import Prize, PrizesUntil, prize_at
-from .fit import Decay, Fit
-from .orbit import Orbit
-from .services import SERVICES, ServiceKind
+from .orbit import Decay, Fit, Orbit
+
+
+@dataclass(frozen=True)
+class ServiceKind:
+    """A kind of service.
+
+    Attributes
+    ----------
+    name : str
+        What instances call it, as ``removal`` of a target.
+    counted : str
+        What of it may make loads count, as a word; empty if nothing does.
+    takes_kit : bool
+        Whether the chaser leaves a kit with the object.
+    is_flown : bool
+        Whether the chaser carries the object away afterwards; how is for :mod:`adr_opt.plan.tows`
+        to say.
+    """
+
+    name: str
+    counted: str = ""
+    takes_kit: bool = False
+    is_flown: bool = False
+
+
+SERVICES = {
+    kind.name: kind
+    for kind in (
+        ServiceKind("visit"),
+        ServiceKind("kit", "kits", takes_kit=True),
+        ServiceKind("tow", "tows", is_flown=True),
+    )
+}
+"""All kinds by name."""
+
+
+LARGEST_PRIZE = 1e12
+LEAST_PRIZE = 1e-12
+"""Least prize, which keeps sums and quotients of prizes within floating-point range."""
+
+
+def _is_nothing_or_enough(prize: float) -> float:
+    if 0.0 < prize < LEAST_PRIZE:
+        raise ValueError(f"must be 0 or at least {LEAST_PRIZE:g}")
+    return prize
+
+
+Prize = Annotated[
+    float,
+    Field(
+        ge=0.0,
+        le=LARGEST_PRIZE,
+        json_schema_extra={"anyOf": [{"const": 0.0}, {"minimum": LEAST_PRIZE}]},
+    ),
+    AfterValidator(_is_nothing_or_enough),
+]
+
+PrizeUntil = tuple[Annotated[float, Field(ge=0.0)], Prize]
+"""A time [s], and the prize of services that end by then."""
+
+
+def _falls(levels: Sequence[PrizeUntil]) -> Sequence[PrizeUntil]:
+    for (before_s, higher), (after_s, lower) in pairwise(levels):
+        if after_s <= before_s:
+            raise ValueError(f"its times must rise, but {after_s:g} s follows {before_s:g} s")
+        if lower > higher:
+            raise ValueError(
+                f"prizes may only fall with time, but {lower:g} follows {higher:g} after "
+                f"{before_s:g} s"
+            )
+    return levels
+
+
+PrizesUntil = Annotated[
+    tuple[PrizeUntil, ...], Field(strict=False, min_length=1), AfterValidator(_falls)
+]
+"""Times in ascending order with falling prizes, each of services that end by its time."""
+
+
+def prize_at(prize: float, levels: Sequence[PrizeUntil], end_s: float) -> float:
+    """The prize of a service by its end.
+
+    Parameters
+    ----------
+    prize : float
+        Of services that end after all levels.
+    levels : sequence of (float, float)
+        Times [s] and prizes.
+    end_s : float
+        End of the service, with the tow if there is one [s].
+    """
+    return next((level for until_s, level in levels if end_s <= until_s), prize)
+
 
 ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)]
 """Object identifier as in messages: printable ASCII, mostly like ``1997-051C``."""

@@ -31,8 +31,7 @@ from ..common.records import (
     without,
 )
 from ..common.sentences import sentence
-from .fit import Decay
-from .orbit import Orbit
+from .orbit import Decay, Orbit
 
 TANK_BY_MASS = {"dry_mass_kg", "propellant_kg", "isp_s"}
 

@@ -1,14 +1,52 @@
-"""Inertial frame of an instance's elements, if stated."""
+"""The epoch of an instance, a calendar time, and the inertial frame of its elements, if stated."""
 
 from __future__ import annotations
 
-from datetime import UTC
-from typing import Any, Literal, Self, get_args
+from datetime import UTC, datetime
+from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import (
+    AfterValidator,
+    AwareDatetime,
+    BeforeValidator,
+    Field,
+    PlainSerializer,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from ..common.records import Record, without
-from .epoch import Epoch
+
+
+def _is_calendar_time(value: Any) -> Any:
+    """Refuse values that pydantic would read as seconds since 1970."""
+    if isinstance(value, datetime) or (isinstance(value, str) and value[4:5] == "-"):
+        return value
+    raise ValueError("must be a time like 2026-01-01T00:00:00Z")
+
+
+def _has_utc(epoch: datetime) -> datetime:
+    """Refuse times outside the calendar in UTC."""
+    try:
+        epoch.astimezone(UTC)
+    except OverflowError:
+        raise ValueError("must lie in the years 1 to 9999 in UTC") from None
+    return epoch
+
+
+def _in_utc(epoch: datetime) -> str:
+    return epoch.astimezone(UTC).isoformat().replace("+00:00", "Z")
+
+
+Epoch = Annotated[
+    AwareDatetime,
+    Field(strict=False),
+    BeforeValidator(_is_calendar_time),
+    AfterValidator(_has_utc),
+    PlainSerializer(_in_utc, return_type=str),
+]
+
 
 FrameName = Literal["EME2000", "GCRF", "ICRF", "TEME"]
 

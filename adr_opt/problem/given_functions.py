@@ -1,25 +1,31 @@
 """Given costs that are functions of time: piecewise linear arrivals that never overtake.
 
 See docs/model.md section 9. Where a pair has a function, a chaser may leave at any time, and who
-leaves later arrives no earlier. No list of connections says as much, however long it is.
+leaves later arrives no earlier. No list of connections says as much, however long it is. Their
+files, ``adr-opt-functions/1``, are JSON beside the instance file.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import Field
 
 from ..common.card import Shown
 from ..common.errors import InputError
-from ..common.records import LARGEST_DELTA_V_M_S, LARGEST_TIME_S
+from ..common.files import read_model, write_text
+from ..common.records import LARGEST_DELTA_V_M_S, LARGEST_TIME_S, Name, Record
+from .settings import GivenFile
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
@@ -232,3 +238,85 @@ def _made(found: Sequence[tuple[str, str, Function]]) -> Functions:
         np.concatenate([*empty, *(row[2].arrival for row in ordered)]),
         np.array([row[2].cost for row in ordered], dtype=np.float64),
     )
+
+
+FORMAT: Literal["adr-opt-functions/1"] = "adr-opt-functions/1"
+
+Breakpoint = Annotated[tuple[float, float], Field(strict=False)]
+"""Departure and arrival [s]."""
+
+
+class PairFunction(Record):
+    """The function of a pair."""
+
+    origin: Name
+    destination: Name
+    delta_v_m_s: float = 0.0
+    breakpoints_s: Annotated[tuple[Breakpoint, ...], Field(strict=False, min_length=1)]
+
+
+class FunctionsFile(Record):
+    """Functions of time of some pairs."""
+
+    format: Literal["adr-opt-functions/1"]
+    functions: Annotated[tuple[PairFunction, ...], Field(strict=False)]
+
+
+def read_functions(
+    instance_path: str | os.PathLike[str], reference: GivenFile, names: tuple[str, ...]
+) -> Functions | None:
+    """Read the functions that an instance file names, from a file beside it; None if it names none.
+
+    Raises
+    ------
+    InputError
+        No such file, not JSON, or no functions that can be planned on; or others than the instance
+        says.
+    """
+    if reference.functions is None:
+        return None
+    path = Path(instance_path).parent / reference.functions
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; put the given functions there")
+    content = read_model(path, FunctionsFile)
+    rows = (
+        (each.origin, each.destination, each.breakpoints_s, each.delta_v_m_s)
+        for each in content.functions
+    )
+    try:
+        made = of_breakpoints(rows, names)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    if reference.functions_sha256 not in (None, made.sha256):
+        raise InputError(
+            f"{path}: not the functions that {instance_path} names in transfer.given: their "
+            f"sha256 is {made.sha256}; put the right file there, or leave the field "
+            "functions_sha256 out"
+        )
+    return made
+
+
+def write_functions(path: str | os.PathLike[str], functions: Functions) -> None:
+    """Write functions as JSON, completely or not at all.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    lines = []
+    for origin, destination in functions.pairs:
+        function = functions.of_pair(origin, destination)
+        assert function is not None
+        row = {
+            "origin": origin,
+            "destination": destination,
+            "delta_v_m_s": function.cost,
+            "breakpoints_s": list(
+                zip(function.departure.tolist(), function.arrival.tolist(), strict=True)
+            ),
+        }
+        lines.append("  " + json.dumps(row, ensure_ascii=False))
+    body = ",\n".join(lines)
+    text = f'{{\n "format": {json.dumps(FORMAT)},\n "functions": [\n{body}\n ]\n}}\n'
+    write_text(path, text)

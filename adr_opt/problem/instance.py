@@ -25,16 +25,15 @@ from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.orbits.eccentricity import matchings
 from ..kernels.orbits.ephemeris import EPOCH_S
 from .chasers import availability
-from .function_files import read_functions, write_functions
 from .given import Given, only
 from .given_files import read_named, write_given
+from .given_functions import read_functions, write_functions
 from .instance_arrays import KeptRows, rule_of
 from .instance_file import FORMAT as FORMAT
 from .instance_file import InstanceFile
 from .numbering import Numbering
 from .orbit import Orbit
-from .settings import GivenFile
-from .time_value import TIME_VALUE_M_S_PER_H, check_time_value, hurry_of
+from .settings import TIME_VALUE_M_S_PER_H, GivenFile, check_time_value, hurry_of
 
 
 class Instance(Shown, InstanceFile):

@@ -1,6 +1,6 @@
 """Content of an instance file: fields, their consistency, and bytes.
 
-The pydantic models of ``adr-opt-instance/2`` stand here and in :mod:`.epoch`, :mod:`.orbit`,
+The pydantic models of ``adr-opt-instance/2`` stand here and in :mod:`.frame`, :mod:`.orbit`,
 :mod:`.bodies`, :mod:`.chasers` and :mod:`.settings`.
 """
 
@@ -31,8 +31,7 @@ from .agreement import (
 from .bodies import Station, Target
 from .chasers import Chaser, TankByMass
 from .ephemerides import EphemeridesFile
-from .epoch import Epoch
-from .frame import Frame
+from .frame import Epoch, Frame
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 from .transfer_sizes import default_step_s
 

@@ -14,8 +14,8 @@ import adr_opt
 from adr_opt.analysis import Axis, CampaignPrices, DesignStudy, design_study, parse_axis, tradeoff
 from adr_opt.analysis.design import Design, DesignPoint, designs_of, pareto_front
 from adr_opt.analysis.design.designs import designed
-from adr_opt.analysis.design.neighbours import with_neighbours
 from adr_opt.analysis.design.rating import rating_of
+from adr_opt.analysis.design.study import with_neighbours
 from adr_opt.analysis.design.work import DesignWork
 from adr_opt.common.constants import DAY_S, STANDARD_GRAVITY_M_S2
 from adr_opt.common.errors import InputError

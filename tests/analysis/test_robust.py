@@ -18,11 +18,9 @@ from adr_opt import analysis
 from adr_opt.analysis.rehearse.intended import intended
 from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 from adr_opt.analysis.rehearse.tries import TryWorths
-from adr_opt.analysis.robust.careful_problem import careful_problem
-from adr_opt.analysis.robust.levels import between, equal, shared
-from adr_opt.analysis.robust.promise import promise_of
+from adr_opt.analysis.robust.careful_problem import between, careful_problem, equal, shared
+from adr_opt.analysis.robust.promise import StayTime, promise_of, slip_chance, slip_quantile
 from adr_opt.analysis.robust.robust import robust
-from adr_opt.analysis.robust.stays import StayTime, slip_chance, slip_quantile
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.core.windows import service_begin

@@ -29,16 +29,15 @@ from adr_opt.analysis.scenario import (
 )
 from adr_opt.analysis.scenario.answer import outside
 from adr_opt.analysis.scenario.branch import Branch
-from adr_opt.analysis.scenario.campaign import campaign
-from adr_opt.analysis.scenario.clouds import (
+from adr_opt.analysis.scenario.campaign import campaign, drifted, offer
+from adr_opt.analysis.scenario.events import (
     FragmentCloud,
+    collisions_of,
     fragment_area_m2,
     fragments_by_shell,
     rings_of,
 )
-from adr_opt.analysis.scenario.events import collisions_of
 from adr_opt.analysis.scenario.futures import ScenarioStart
-from adr_opt.analysis.scenario.offer import drifted, offer
 from adr_opt.analysis.scenario.population import ObjectPopulation, population_of
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.common.errors import InputError

@@ -19,7 +19,7 @@ from random_rules import (
 from seeds import over_kinds
 from verify_fields import laden, legs_for, refuelling, towing_and_laden, worths_of
 
-from adr_opt.judge.verify.losses import losses_of
+from adr_opt.judge.verify.legs import losses_of
 from adr_opt.judge.verify.walks import walks_reach
 from adr_opt.mission.mission import Mission
 

@@ -13,7 +13,7 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.export.tables import write_matrix
 from adr_opt.mission.mission import Mission
-from adr_opt.problem.falling_prizes import prize_at
+from adr_opt.problem.bodies import prize_at
 from adr_opt.problem.settings import Objective
 
 

@@ -20,7 +20,7 @@ from adr_opt.analysis.priced import price
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.replan.replanning import replan
 from adr_opt.analysis.robust.robust import robust
-from adr_opt.analysis.scenario.offer import check_template
+from adr_opt.analysis.scenario.campaign import check_template
 from adr_opt.analysis.trade.axes import Axis
 from adr_opt.analysis.trade.frontier import check_frontier
 from adr_opt.analysis.trade.run import tradeoff

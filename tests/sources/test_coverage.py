@@ -16,7 +16,7 @@ from messages import label, oem, oem_in_xml
 
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
-from adr_opt.judge.refined.as_interpolated import interpolated_states
+from adr_opt.judge.refined.as_reported import interpolated_states
 from adr_opt.problem.frame import Frame
 from adr_opt.sources.catalogue.propagation import state as sgp4_state
 from adr_opt.sources.ephemerides.by_table import ByTable

@@ -19,10 +19,10 @@ from messages import oem, oem_in_xml
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
-from adr_opt.judge.refined.as_interpolated import interpolated_states
-from adr_opt.problem.fit import Fit
+from adr_opt.judge.refined.as_reported import interpolated_states
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.frame_rotation import from_gcrf, teme_axes
+from adr_opt.problem.orbit import Fit
 from adr_opt.sources.catalogue import ElementSet, read, to_instance
 from adr_opt.sources.catalogue.propagation import state as sgp4_state
 from adr_opt.sources.ephemerides import ephemerides_of, ephemeris_of

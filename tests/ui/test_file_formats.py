@@ -18,7 +18,7 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import read_model
 from adr_opt.common.stability import PROVISIONAL_FORMATS, STABLE_FORMATS, stability
-from adr_opt.problem.function_files import FunctionsFile
+from adr_opt.problem.given_functions import FunctionsFile
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.sources.ephemerides.elements_file import read_elements, to_text
 from adr_opt.sources.library import load_library

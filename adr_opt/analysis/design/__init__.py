@@ -1,10 +1,8 @@
 """Designs of campaigns: fragment-years avoided against euros, planned, bounded and evaluated."""
 
 from .designs import Design, designs_of
-from .front import pareto_front
-from .point import DesignPoint
 from .prices import CampaignPrices
-from .results import DesignStudy
+from .results import DesignPoint, DesignStudy, pareto_front
 from .study import design_study
 
 __all__ = [

@@ -18,10 +18,9 @@ from ...plan.plan import Plan
 from ...plan.routes import routes_of
 from ...problem.instance import Instance
 from .designs import Design, designed
-from .point import DesignPoint
-from .prices import CampaignPrices
+from .prices import CampaignPrices, Spending, spending_of
 from .rating import Rating
-from .spending import Spending, spending_of
+from .results import DesignPoint
 
 ROUNDED = 1e-9
 """Relative excess of a worth over its bound that sums of floats may cause."""

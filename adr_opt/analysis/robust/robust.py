@@ -34,8 +34,7 @@ from ..rehearse.intended import Intended, intended
 from ..rehearse.mission_facts import FOLLOWS, MissionFacts
 from ..rehearse.sampling import Setting, flown_in
 from ..rehearse.tries import common_share, mean_worths
-from .careful_problem import careful_problem, is_bounded
-from .levels import Levels, between, equal, shared
+from .careful_problem import Levels, between, careful_problem, equal, is_bounded, shared
 from .promise import Promise, promise_of
 from .robust_plan import Caution, RobustPlan
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ...mission.result import Result
 from ...plan.plan import Plan, Status
-from .levels import Levels
+from .careful_problem import Levels
 from .promise import Promise
 
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from ...sources.csv_table import csv_text
 from ...sources.worth.air import FLOAT
-from .futures import Scenario
-from .records import CASES, YearRecord
+from .futures import CASES, Scenario, YearRecord
 from .settings import FRAGMENTS, KINDS
 
 SPECIES = {"payload": "S", "rocket body": "B", "debris": "N"}

@@ -13,13 +13,18 @@ from ...common.errors import InputError
 from ...kernels.orbits.keyed_draws import mixed
 from ...sources.worth.air import YEAR_S
 from ...sources.worth.pairs import INDICES
-from .clouds import EXPLOSION_FRAGMENTS, FragmentCloud, fragments_by_shell, rings_of
-from .events import collisions_of, explosions_of
-from .futures import ScenarioStart
+from .campaign import offer
+from .events import (
+    EXPLOSION_FRAGMENTS,
+    FragmentCloud,
+    collisions_of,
+    explosions_of,
+    fragments_by_shell,
+    rings_of,
+)
+from .futures import Collision, Explosion, FlownCampaign, ScenarioStart, YearRates, YearRecord
 from .launches import launched
-from .offer import offer
 from .population import ObjectPopulation
-from .records import Collision, Explosion, FlownCampaign, YearRates, YearRecord
 
 
 class YearDraws(NamedTuple):

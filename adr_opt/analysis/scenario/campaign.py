@@ -1,28 +1,232 @@
-"""A campaign as it goes: planned, flown with failures, and replanned after each."""
+"""Campaigns of a scenario: what is offered to one, and how it goes.
+
+Its instance is the template, with the objects most worth removing that year. It is planned, flown
+with failures, and replanned after each.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from datetime import timedelta
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...common.constants import EARTH_RADIUS_M, OBLATENESS_M2
+from ...common.errors import InputError
+from ...kernels.orbits.ephemeris import secular_rates
 from ...kernels.orbits.keyed_draws import keyed_draws
 from ...plan.plan import Leg, Plan
+from ...problem.bodies import Target
+from ...problem.chasers import InOrbit
+from ...problem.frame import Frame
 from ...problem.instance import Instance
+from ...problem.orbit import Orbit
+from ...problem.rules import CAMPAIGNS, FIRST, Follower
+from ...problem.support import refuse
 from ...run.front import solve
+from ...sources.worth.air import YEAR_S
+from ...sources.worth.prizes import usual_unit
+from ...sources.worth.worth import worth_of
 from ..replan.chaser_states import states_at
 from ..replan.replanning import replan
-from .events import CAMPAIGNS, CAPTURES
-from .offer import Offer
-from .records import Attempt, FlownCampaign
+from .events import CAMPAIGN_LOSSES, CAPTURES
+from .futures import Attempt, FlownCampaign
+from .population import NODE, TILT, ObjectPopulation, true_anomalies
 from .settings import ScenarioSettings
+
+
+class Offer(NamedTuple):
+    """Objects offered to a campaign.
+
+    Attributes
+    ----------
+    instance : Instance or None
+        None if no object is worth anything.
+    numbers : dict of str to int
+        Targets by name → numbers of the objects.
+    unit : float
+        Of prizes [fragment-years].
+    """
+
+    instance: Instance | None
+    numbers: dict[str, int]
+    unit: float
+
+
+FOLLOWS = Follower(
+    "--campaign",
+    (FIRST | CAMPAIGNS)
+    - {
+        "given connections",
+        "bodies without an orbit",
+        "ephemerides",
+        "keep-out zones",
+        "fixed planes",
+    },
+)
+"""Campaigns of later years are planned by the model, on what is there then."""
+
+
+def check_template(template: Instance) -> None:
+    """Refuse an instance of which no campaigns of later years can be made.
+
+    Raises
+    ------
+    InputError
+    """
+    refuse(template, FOLLOWS)
+    if not template.targets:
+        raise InputError(
+            f"--campaign {template.name!r}: no target says whether objects are visited, get a kit "
+            "or are towed; give one"
+        )
+
+
+def offer(
+    template: Instance,
+    population: ObjectPopulation,
+    taken: set[int],
+    settings: ScenarioSettings,
+    year: int,
+    start_years: float,
+    jobs: int,
+) -> Offer:
+    """The instance of a campaign on what is there.
+
+    Parameters
+    ----------
+    template : Instance
+        Of its targets only the first counts, for the kind of its service.
+    population : ObjectPopulation
+    taken : set of int
+        Numbers of objects that a campaign under way is to remove.
+    settings : ScenarioSettings
+    year : int
+    start_years : float
+        From the template's epoch to year 0.
+    jobs : int
+        Threads.
+    """
+    worth = worth_of(population.bodies, settings.worth_years, settings.activity, jobs)
+    places = np.flatnonzero(_eligible(template, population, taken, settings))
+    ranks = np.argsort(-worth.alone[places], kind="stable")
+    chosen = places[ranks[: settings.targets]]
+    if not len(chosen):
+        return Offer(None, {}, 1.0)
+    floors = np.maximum(worth.floors(chosen, jobs), 0.0)
+    unit = usual_unit(float(floors.max()))
+    prizes = np.floor(floors / unit)
+    chosen, prizes = chosen[prizes > 0.0], prizes[prizes > 0.0]
+    if not len(chosen):
+        return Offer(None, {}, unit)
+    anomalies = true_anomalies(population.orbits[chosen])
+    names = set(template.station_names) | {chaser.name for chaser in template.chasers}
+    numbers: dict[str, int] = {}
+    targets = []
+    removal = template.targets[0].removal
+    for at, prize, anomaly in zip(chosen, prizes, anomalies, strict=True):
+        name = population.bodies.records[at].label
+        if name in names or name in numbers:
+            name = f"{name} [{population.numbers[at]}]"
+        numbers[name] = int(population.numbers[at])
+        targets.append(
+            Target(
+                name=name,
+                orbit=_orbit(population.orbits[at], anomaly),
+                prize=float(prize),
+                mass_kg=float(population.bodies.masses[at]),
+                removal=removal,
+            )
+        )
+    return Offer(_instance(template, tuple(targets), year, start_years), numbers, unit)
+
+
+def _eligible(
+    template: Instance, population: ObjectPopulation, taken: set[int], settings: ScenarioSettings
+) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    transfer, altitudes = template.transfer, population.altitudes_m
+    low, high = settings.altitude_km or (0.0, math.inf)
+    least = max(transfer.min_altitude_m, 1e3 * low)
+    disposal = template.mission.disposal_altitude_m
+    if template.targets[0].removal == "tow" and disposal is not None:
+        least = max(least, np.nextafter(disposal, math.inf))
+    fits = (altitudes >= least) & (altitudes <= min(transfer.max_altitude_m, 1e3 * high))
+    fits &= population.orbits[:, 0] > EARTH_RADIUS_M
+    first, last = settings.inclination_deg or (0.0, 180.0)
+    tilts = np.degrees(population.orbits[:, TILT])
+    fits &= (tilts >= first) & (tilts <= last)
+    fits &= ~np.isin(population.numbers, sorted(taken))
+    eligible: np.ndarray[Any, np.dtype[np.bool_]] = fits
+    return eligible
+
+
+def _orbit(row: np.ndarray[Any, np.dtype[np.float64]], true_anomaly: float) -> Orbit:
+    perigee, apogee = float(row[0]), float(row[1])
+    angles = np.degrees([row[NODE], row[NODE + 1], true_anomaly]) % 360.0
+    return Orbit(
+        semi_major_axis_m=0.5 * (perigee + apogee),
+        eccentricity=(apogee - perigee) / (apogee + perigee),
+        inclination_deg=math.degrees(row[TILT]),
+        **dict(
+            zip(
+                ("raan_deg", "argument_of_perigee_deg", "true_anomaly_deg"),
+                angles.tolist(),
+                strict=True,
+            )
+        ),
+    )
+
+
+def _instance(
+    template: Instance, targets: tuple[Target, ...], year: int, start_years: float
+) -> Instance:
+    """The template in a year: stations and starts are where J2 has taken their planes."""
+    since_s = YEAR_S * (start_years + year)
+    epoch = template.epoch + timedelta(seconds=since_s)
+    return template.replace(
+        name=f"{template.name}-year-{year}",
+        epoch=epoch,
+        frame=None if template.frame is None else Frame(name="TEME", axes_epoch=epoch),
+        stations=tuple(
+            station.replace(
+                orbit=None if station.orbit is None else drifted(station.orbit, since_s)
+            )
+            for station in template.stations
+        ),
+        targets=targets,
+        chasers=tuple(
+            chaser.replace(start=InOrbit(orbit=drifted(chaser.start.orbit, since_s)))
+            if isinstance(chaser.start, InOrbit)
+            else chaser
+            for chaser in template.chasers
+        ),
+    )
+
+
+def drifted(orbit: Orbit, since_s: float) -> Orbit:
+    """An orbit whose node and perigee have drifted under J2; it holds its size and its phase."""
+    node, perigee, _ = secular_rates(
+        orbit.semi_major_axis_m,
+        orbit.eccentricity,
+        math.radians(orbit.inclination_deg),
+        OBLATENESS_M2,
+    )
+    return orbit.replace(
+        raan_deg=(orbit.raan_deg + math.degrees(node) * since_s) % 360.0,
+        argument_of_perigee_deg=(orbit.argument_of_perigee_deg + math.degrees(perigee) * since_s)
+        % 360.0,
+    )
+
 
 LEAST_S = 1e-3
 
 
 def fails(seed: int, year: int, chance: float) -> bool:
     """Whether the campaign of a year is lost at its launch."""
-    return chance > 0.0 and float(keyed_draws(seed, year, CAMPAIGNS, np.zeros(1, int))[0]) < chance
+    drawn = keyed_draws(seed, year, CAMPAIGN_LOSSES, np.zeros(1, int))
+    return chance > 0.0 and float(drawn[0]) < chance
 
 
 Keep = Callable[[Instance, Plan], None]

@@ -1,25 +1,196 @@
-"""Runs of a scenario over seeds, in this process or several (docs/scenarios.md)."""
+"""Runs of a scenario over seeds, in this process or several (docs/scenarios.md).
+
+The rows are years of futures. A killed run goes on from its file: plans, rates and draws of its
+years are taken from there, and all that follows from them is worked out again and has to agree.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 from collections.abc import Callable, Sequence
 from datetime import datetime
 from itertools import takewhile
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from ...common.errors import InputError
+from ...common.files import write_both
 from ...common.processors import usable_cores
 from ...problem.instance import Instance
 from ...run.method_call import spec_of
 from ...sources.worth.bodies import Bodies
-from ...study import Place, Run
-from .futures import Scenario, ScenarioStart
+from ...study import Place, Run, Study
+from .branch import Branch
+from .campaign import campaign, check_template
+from .futures import CASES, Scenario, ScenarioStart, YearRecord, records_of
 from .launches import Launch
-from .offer import check_template
 from .population import population_of
-from .records import CASES
 from .settings import ScenarioSettings
-from .years import Records, Year, Years, file_in
+
+PLANS = "plans"
+"""Folder of instances and plans."""
+
+FILE = "years.jsonl"
+"""File of all years of all seeds."""
+
+Records = dict[str, YearRecord]
+"""The records of a year, by case."""
+
+
+class Year(NamedTuple):
+    """A year of the futures of a seed."""
+
+    seed: int
+    year: int
+
+
+class Years:
+    """Years of a scenario, each after those before it.
+
+    Parameters
+    ----------
+    start : ScenarioStart
+    folder : path, optional
+        For instances and plans of campaigns.
+    threads : int
+        Where no other years are lived beside these.
+    known : dict of int to sequence of records
+        Years of each seed from an earlier run, from the first one.
+    """
+
+    def __init__(
+        self,
+        start: ScenarioStart,
+        folder: str | os.PathLike[str] | None,
+        threads: int,
+        known: dict[int, Sequence[Records]] | None = None,
+    ) -> None:
+        self._start, self._folder, self._threads = start, folder, threads
+        self.known = known or {}
+        self._at: Year | None = None
+        self._branches: dict[str, Branch] = {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Another process lives through the years before its own.
+        return Years, (self._start, self._folder, self._threads, self.known)
+
+    def study(self) -> Study[Year, Records]:
+        """The study of which they are rows."""
+        return Study(
+            "scenario",
+            1,
+            self.row,
+            digests_of(self._start),
+            key=Year._asdict,
+            to_json=lambda year: {case: record.to_dict() for case, record in year.items()},
+            from_json=lambda year, row: records_of(json.dumps(row).encode()),
+        )
+
+    def row(self, key: Year, place: Place) -> Records:
+        """Both cases of a year."""
+        self.go_to(key, place)
+        return self._live(None, place)
+
+    def go_to(self, key: Year, place: Place) -> None:
+        """Live through all years of a seed before one.
+
+        Raises
+        ------
+        InputError
+            A known year is not of this scenario.
+        """
+        if self._at is None or self._at.seed != key.seed or self._at.year > key.year:
+            self._at = Year(key.seed, 0)
+            self._branches = {
+                case: Branch.of(self._start, key.seed, campaign, removes=case == "with")
+                for case in CASES
+            }
+            self._branches["with"].keep = self._keep
+        known = self.known.get(key.seed, ())
+        while self._at.year < key.year:
+            at = self._at.year
+            self._live(known[at] if at < len(known) else None, place)
+
+    def _live(self, known: Records | None, place: Place) -> Records:
+        assert self._at is not None
+        records, before = Records(), None
+        for case, branch in self._branches.items():
+            threads = self._threads if place.alone else 1
+            records[case] = branch.live(None if known is None else known[case], before, threads)
+            before = branch
+        self._at = Year(self._at.seed, self._at.year + 1)
+        return records
+
+    def _keep(self, year: int, instance: str, plan: str) -> None:
+        """Write the instance of a campaign and its first plan, for other verbs.
+
+        Raises
+        ------
+        InputError
+            They cannot be written.
+        """
+        if self._folder is None or self._at is None:
+            return
+        folder = Path(self._folder) / PLANS
+        try:
+            folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"{folder}: cannot be made ({error.strerror or error}); name another folder"
+            ) from error
+        stem = f"seed-{self._at.seed}-year-{year}"
+        write_both(folder / f"{stem}.plan.json", plan, folder / f"{stem}.json", instance)
+
+
+def file_in(folder: str | os.PathLike[str]) -> Path:
+    """The file of years in a folder, which is made.
+
+    Raises
+    ------
+    InputError
+        It cannot be made, or has files of adr-opt 1.0.
+    """
+    path = Path(folder) / FILE
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror or error}); name another folder"
+        ) from error
+    if not path.exists() and (path.parent / "seed-0.jsonl").exists():
+        raise InputError(
+            f"{folder}: has files of adr-opt 1.0, which this version does not go on with; name "
+            "another folder"
+        )
+    return path
+
+
+def digests_of(start: ScenarioStart) -> dict[str, str | None]:
+    """SHA-256 of all that futures depend on, but for the number of seeds and versions."""
+    settings = start.settings.to_dict()
+    del settings["seeds"]
+    population, template = start.population, start.template
+    bodies = population.bodies
+    columns = population.numbers, population.orbits, bodies.masses, bodies.sizes, bodies.areas
+    catalogue = [column.tobytes() for column in columns]
+    return {
+        "settings": _digest(json.dumps(settings, sort_keys=True).encode()),
+        "campaign": None if template is None else template.sha256,
+        "launches": _digest(repr(start.launches).encode()),
+        "catalogue": _digest(
+            start.epoch.isoformat().encode(), *catalogue, repr(bodies.kinds).encode()
+        ),
+    }
+
+
+def _digest(*parts: bytes) -> str:
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(part)
+    return digest.hexdigest()
+
 
 Show = Callable[[int, int], None]
 

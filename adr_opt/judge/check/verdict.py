@@ -20,9 +20,8 @@ from ...plan.plan import Plan
 from ...problem.instance import AnyInstance
 from ...problem.rules import JUDGED, Follower
 from ...problem.support import followed
-from .model import check_model
 from .routes import check_legs, check_routes
-from .totals import check_cost, check_totals
+from .totals import check_cost, check_model, check_totals
 from .violation import Violation
 
 FOLLOWS = Follower("check", JUDGED)

@@ -18,7 +18,6 @@ from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.altitude import Heights
 from ..check.violation import MOST_RELEASE_OFF_M, Violation
-from .bodies import SAME_M, SAME_M_S
 from .holding import LEAST_SHARE, SPARE_M_S, found_m_s
 from .release import released
 from .tanks import Masses, chasers_of, planned_masses
@@ -30,7 +29,7 @@ from .thrust import (
     fly_thrust,
     refuse_wrong_thrust,
 )
-from .world import BodyStates, FreeMotion, Towing, begun, prograde
+from .world import SAME_M, SAME_M_S, BodyStates, FreeMotion, Towing, begun, prograde
 
 Array = npt.NDArray[np.float64]
 

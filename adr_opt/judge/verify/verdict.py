@@ -20,8 +20,7 @@ from ..check.verdict import check
 from .claim import bound_of, difference_of, gains, remembered
 from .cost import judged_cost
 from .cuts import cuts_of
-from .legs import legs_of
-from .losses import losses_of
+from .legs import legs_of, losses_of
 from .names import check_names
 from .rules import FOLLOWS, finders_of
 from .sampling import Sampled, sample_connections

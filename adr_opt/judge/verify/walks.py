@@ -21,8 +21,7 @@ from .ahead import Ahead, look_ahead
 from .cargo import after_service
 from .cuts import NumberedCut, tolls_of
 from .labels import FINE, FOUND, FULL, WORD, KeptLabels, Price, Question, WalkLabels, search
-from .legs import Legs
-from .losses import Loss, lost_by, lost_on
+from .legs import Legs, Loss, lost_by, lost_on
 
 Array = npt.NDArray[Any]
 

@@ -22,7 +22,6 @@ from .pool import (
     playing_time_s,
     start,
 )
-from .practice import practise
 from .worlds import (
     LOSS_WORDS,
     AnyUncertainty,
@@ -30,6 +29,7 @@ from .worlds import (
     begin_in_worlds,
     models_of,
     new_worlds,
+    practise,
 )
 
 __all__ = [

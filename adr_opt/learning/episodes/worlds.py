@@ -1,4 +1,4 @@
-"""Uncertain worlds of episodes: the draws of rehearsals, in arrays that kernels take."""
+"""Uncertain worlds of episodes: the draws of rehearsals, in arrays that kernels take; practice."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...common.files import parse_content
+from ...kernels.episodes import episodes as episode_kernels
 from ...kernels.episodes import world_view
 from ...kernels.episodes import worlds as kernels
 from ...kernels.episodes.episodes import SERVICE, Episodes
@@ -20,9 +21,11 @@ from ...kernels.tables.stacked_timetables import listed_in
 from ...legs.connection_finder import ConnectionFinder
 from ...plan.leg_kinds import leg_kinds
 from ...problem.instance import Instance
-from ...problem.uncertainty import LognormalFactor, Uncertainty
+from ...problem.uncertainty import CaptureUncertainty, LognormalFactor, Uncertainty
 from ...problem.world import OUTCOMES, draw_key
-from .pool import FieldPool
+from ...run.warm_up import practice_mission
+from .board import OBSERVATIONS, Board, sees_worlds
+from .pool import FieldPool, new_episodes, playing_time_s, start
 
 CERTAIN = (0.0, 1.0, 1.0)
 """Spread and bounds of a factor that is 1."""
@@ -244,3 +247,34 @@ def begin_in_worlds(
     kernels.begin_worlds(
         pool.arrays, episodes, worlds, which, seeds.astype(np.uint64), models.astype(np.int32)
     )
+
+
+def practise() -> None:
+    """Compile the kernels called by both environments, with every observation."""
+    for drifts in (False, True):
+        mission = practice_mission(drifts)
+        bodies, budget = len(mission.names), mission.chaser.tank.delta_v_m_s
+        duration_s = playing_time_s(mission.instance)
+        pool, episodes = FieldPool.of(mission), new_episodes(1, bodies)
+        which, slots = np.zeros(1, dtype=np.int32), np.zeros(1, dtype=np.int64)
+        rewards = np.zeros(1, dtype=np.float32)
+        uncertain = UncertainPool(pool, [Uncertainty(capture=CaptureUncertainty(success=0.5))])
+        uncertain.install(0)
+        worlds = new_worlds(uncertain, 1)
+        for name in OBSERVATIONS:
+            board = Board(name, 1, bodies - 1)
+            start(pool, episodes, 0, 0, budget, duration_s)
+            board.observe(pool.arrays, episodes, 0, 1)
+            actions = board.mask.argmax(axis=1)
+            episode_kernels.act(pool.arrays, episodes, 0, 1, actions, rewards)
+            episode_kernels.act(pool.arrays, episodes, 0, 1, actions, rewards, board.order)
+            episode_kernels.body_of(int(actions[0]), bodies - 1)
+            limits = np.array([budget]), np.array([duration_s])
+            episode_kernels.begin_many(pool.arrays, episodes, which, slots, *limits)
+            board.observe_these(pool.arrays, episodes, which)
+            if sees_worlds(name):
+                begin_in_worlds(pool, episodes, worlds, which, (slots, slots))
+                board.observe(pool.arrays, episodes, 0, 1, worlds)
+                board.observe_these(pool.arrays, episodes, which, worlds)
+                taken = 0, 1, actions, rewards, board.order
+                kernels.act_in_worlds(pool.arrays, episodes, worlds, *taken)

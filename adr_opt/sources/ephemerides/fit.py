@@ -21,8 +21,7 @@ from ...kernels.orbits.ephemeris import frame as frame_of
 from ...kernels.orbits.ephemeris import secular_rates
 from ...kernels.orbits.gravity import FIELDS, J3
 from ...kernels.orbits.short_periods import swing
-from ...problem.fit import LARGEST_DECAY_M_PER_DAY, Fit
-from ...problem.orbit import Orbit
+from ...problem.orbit import LARGEST_DECAY_M_PER_DAY, Fit, Orbit
 from .ephemeris import Array, Ephemeris
 
 LEAST_SAMPLES, MOST_SAMPLES = 160, 2000

@@ -13,8 +13,7 @@ from ...common.constants import DAY_S, MU_M3_S2, OBLATENESS_M2
 from ...kernels.orbits import elements
 from ...kernels.orbits.gravity import FIELDS
 from ...kernels.orbits.short_periods import osculating
-from ...problem.fit import Fit
-from ...problem.orbit import Orbit
+from ...problem.orbit import Fit, Orbit
 from .ephemeris import Array, Ephemeris
 from .fit import FittedOrbit, sample_times
 

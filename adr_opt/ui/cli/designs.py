@@ -16,8 +16,7 @@ from .study_files import check_folder, cleared, write_picture, write_plan
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ...analysis.design.point import DesignPoint
-    from ...analysis.design.results import DesignStudy
+    from ...analysis.design.results import DesignPoint, DesignStudy
     from ...analysis.trade import Axis
     from ...common.stop import Stop
     from ...problem.instance import Instance

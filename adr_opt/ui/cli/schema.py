@@ -17,7 +17,7 @@ SCHEMAS = {
     "uncertainty": "problem.uncertainty:Uncertainty",
     "target-errors": "sources.uncertainty.table:TargetErrorsFile",
     "elements": "sources.ephemerides.elements_file",
-    "functions": "problem.function_files:FunctionsFile",
+    "functions": "problem.given_functions:FunctionsFile",
     "worth": "sources.worth.worth_file:WorthFile",
     "library": "sources.library:Library",
     "project": "ui.serve.project.record:ProjectRecord",

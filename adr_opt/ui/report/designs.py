@@ -6,8 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 
 from ...analysis.design.designs import shown
-from ...analysis.design.point import DesignPoint
-from ...analysis.design.results import DesignStudy
+from ...analysis.design.results import DesignPoint, DesignStudy
 from ...analysis.trade.axes import KINDS
 from ...common.constants import DAY_S
 from ...common.wording import counted
