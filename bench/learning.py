@@ -72,8 +72,8 @@ def single_rate(env: MissionEnv, steps: int) -> float:
     for _ in range(steps):
         if over:
             env.reset()
-        assert env._ground is not None
-        action = cheap(env._ground.pool.arrays, env._episodes)[0]
+        assert env._played is not None
+        action = cheap(env._played.pool.arrays, env._episodes)[0]
         began = time.perf_counter()
         _, _, over, _, _ = env.step(action)
         env.action_masks()

@@ -158,13 +158,13 @@ def _near(instance: Instance, ranks: int, time_s: float) -> npt.NDArray[np.int64
     wanted = np.arange(bodies) < stations
     wanted[first:] = [target.required for target in instance.targets]
     some = np.flatnonzero(~wanted & ~worthless & (np.arange(bodies) >= first))
-    asked = min(ranks + 1, some.size)
+    count = min(ranks + 1, some.size)
     rest = np.setdiff1d(np.arange(bodies), some)
     rest = np.concatenate([rest[wanted[rest]], rest[~wanted[rest]]])
     always = int(wanted.sum())
     found = np.empty((bodies, 0), dtype=np.int64)
-    if asked:
-        found = some[KDTree(places[some]).query(places, k=np.arange(1, asked + 1), workers=-1)[1]]
+    if count:
+        found = some[KDTree(places[some]).query(places, k=np.arange(1, count + 1), workers=-1)[1]]
     everything = np.concatenate(
         [np.tile(rest[:always], (bodies, 1)), found, np.tile(rest[always:], (bodies, 1))], axis=1
     )

@@ -342,7 +342,7 @@ def of_function(
         others = np.delete(bodies, i)
         if not others.size:
             continue
-        answers = [_asked(f, i, others, at) for at in times]
+        answers = [_evaluated(f, i, others, at) for at in times]
         if len({answer[0].shape for answer in answers}) > 1:
             raise InputError(
                 f"f({i}, destinations, departure) must give as many rows at each departure; fill "
@@ -367,7 +367,7 @@ def of_function(
     return _made(origin, destination, leaves, lands, costs, names, "connection {}".format)
 
 
-def _asked(f: Costs, i: int, others: npt.NDArray[np.int64], at: float) -> list[FloatArray]:
+def _evaluated(f: Costs, i: int, others: npt.NDArray[np.int64], at: float) -> list[FloatArray]:
     """Durations and costs from one call, shape (choices, destinations)."""
     answer = f(i, others, float(at))
     try:

@@ -57,9 +57,9 @@ class KeptRows:
         decays_m_per_day: Sequence[float],
     ) -> npt.NDArray[np.float64]:
         """A copy of what :func:`orbit_rows` gives, worked out anew for other orbits."""
-        asked = orbits, oblateness_m2, decays_m_per_day
-        if self._of != asked:  # equal orbits are mostly the same objects, which is quick
-            self._of, self._rows = asked, orbit_rows(*asked)
+        inputs = orbits, oblateness_m2, decays_m_per_day
+        if self._of != inputs:  # equal orbits are mostly the same objects, which is quick
+            self._of, self._rows = inputs, orbit_rows(*inputs)
         return self._rows.copy()
 
     def __eq__(self, other: object) -> bool:

@@ -72,17 +72,17 @@ class StudyFile:
     """
 
     def __init__(self, path: str | os.PathLike[str], study: Study[Any, Any]) -> None:
-        self._path, self._held = Path(path), ExitStack()
+        self._path, self._opened = Path(path), ExitStack()
         self._flushed_s = -math.inf
         check_writable(path)
         try:
             # Without a buffer, of which a rest would be written when the file is closed.
-            self._file: FileIO = self._held.enter_context(self._path.open("ab+", buffering=0))
+            self._file: FileIO = self._opened.enter_context(self._path.open("ab+", buffering=0))
         except OSError as error:
             raise self._unwritable(error) from None
-        self._held.callback(os.fsync, self._file.fileno())
+        self._opened.callback(os.fsync, self._file.fileno())
         try:
-            self._held.enter_context(
+            self._opened.enter_context(
                 locked(self._path, "another call is writing to it; wait for it, or end that one")
             )
             content = self._content()
@@ -112,7 +112,7 @@ class StudyFile:
 
     def close(self) -> None:
         """Let others write to the file."""
-        self._held.close()
+        self._opened.close()
 
     def _content(self) -> bytes:
         try:

@@ -64,7 +64,7 @@ def time_forth(rules, connections, course, length, first, settled, workspace):
             )
         if size < 0:
             size = fronts.forwards(rules, connections, i, j, p > 0, came, latest, workspace)
-            same = fronts.take(workspace.trial, 0, came, j)
+            same = fronts.copy_front(workspace.trial, 0, came, j)
         else:
             same = single_points.set_single(came, j, end, left)
         if size == 0:
@@ -87,7 +87,7 @@ def time_back(rules, connections, course, length, last, settled, workspace):
         size, departure, tank = np.int64(-1), 0.0, 0.0
         if p == length - 1:
             size = fronts_backward.finish(rules, connections, j, rules.ready, workspace, 0)
-            same = fronts.take(workspace.trial, 0, suffices, j)
+            same = fronts.copy_front(workspace.trial, 0, suffices, j)
         else:
             k = order[p + 1]
             if suffices.size[k] == 1:
@@ -98,7 +98,7 @@ def time_back(rules, connections, course, length, last, settled, workspace):
                 size = fronts_backward.backwards(
                     rules, connections, j, k, suffices, rules.ready, workspace, 0
                 )
-                same = fronts.take(workspace.trial, 0, suffices, j)
+                same = fronts.copy_front(workspace.trial, 0, suffices, j)
             else:
                 same = single_points.set_single(suffices, j, departure, tank)
         if size == 0:
@@ -117,7 +117,7 @@ def copy_course(source, destination, bodies):
         if side == 1:
             one, other = source.suffices, destination.suffices
         for body in range(bodies):
-            fronts.take(one, body, other, body)
+            fronts.copy_front(one, body, other, body)
 
 
 @kernel

@@ -307,7 +307,7 @@ def forwards(rules, connections, i, j, refuels, here, latest, workspace):
 
 
 @kernel
-def take(source, at, destination, to):
+def copy_front(source, at, destination, to):
     """Copy a front; returns whether it was unchanged."""
     source, destination = borrowed(source), borrowed(destination)
     size = source.size[at]

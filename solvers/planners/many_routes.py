@@ -80,11 +80,11 @@ class _Prover(ConcurrentProof[ColumnProof]):
     def fetch(self) -> None:
         """Receive the incumbent and routes, before a round."""
         super().fetch()
-        self._pool.take(self._shared_pool)
+        self._pool.add_all(self._shared_pool)
 
     def deliver(self) -> None:
         """Deliver the results of the round."""
-        self._shared_pool.take(self._pool)
+        self._shared_pool.add_all(self._pool)
         super().deliver()
 
     @property

@@ -123,8 +123,8 @@ def _foreign(model: Any, inputs: Mapping[str, tuple[int, ...]]) -> str:
                 tensors.append(attribute.t)
     for tensor in tensors:
         size, kind = math.prod(tensor.dims), tensor.data_type
-        elsewhere = tensor.external_data or tensor.data_location
-        if elsewhere or kind not in BYTES or len(tensor.raw_data) != BYTES[kind] * size:
+        stored_outside = tensor.external_data or tensor.data_location
+        if stored_outside or kind not in BYTES or len(tensor.raw_data) != BYTES[kind] * size:
             return "has a tensor that is not whole, or of a type that no policy has"
         if min(tensor.dims, default=1) < 1 or (kind == INT64 and size > 1):
             return "has a tensor of a shape that no policy has"

@@ -96,7 +96,7 @@ class RoutePool:
         """All columns, in the order in which their sets were found."""
         return list(self._columns.values())
 
-    def take(self, other: RoutePool) -> None:
+    def add_all(self, other: RoutePool) -> None:
         """Add the routes of another pool that are new, worth more, or cheaper."""
         for column in other.columns():
             known = self._columns.get(column.key)

@@ -285,8 +285,8 @@ class EarliestEnd:
         windows = windows_of(deadlines(self._tour, until))
         return LayerSearch(self._tour, relaxation, windows, self._over)
 
-    def _take(self, outcome: Outcome) -> None:
-        """Take over a better tour."""
+    def _adopt(self, outcome: Outcome) -> None:
+        """Adopt a better tour."""
         self.labels += outcome.labels
         if outcome.order is not None and outcome.end_s < self.end_s:
             self.order, self.end_s = outcome.order, outcome.end_s
@@ -297,7 +297,7 @@ class EarliestEnd:
         while not self._over():
             most = self._units(relaxation, self._below())
             outcome = search.search(most, self._most_labels, width)
-            self._take(outcome)
+            self._adopt(outcome)
             if outcome.whole:
                 self.bound_s = max(self.bound_s, min(until, self._below()))
             yield
@@ -318,7 +318,7 @@ class EarliestEnd:
             if share == SHARES[-1] or below - self.bound_s < 0.01 * below:
                 within = below
             outcome = search.search(self._units(relaxation, within), self._most_labels)
-            self._take(outcome)
+            self._adopt(outcome)
             if not outcome.whole:
                 return
             # Of the tours that end by then the best one is known.

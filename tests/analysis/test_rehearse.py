@@ -77,7 +77,7 @@ def test_without_uncertainty_every_policy_flies_the_plan(kind: str, policy: str)
             (names[leg.hop.destination], leg.hop.arrival, leg.delta_v, leg.end_s)
             for leg in craft.made
         ]
-        for craft in made.crafts
+        for craft in made.chasers
     }
     for route in plan.routes:
         for leg, (name, *figures) in zip(route.legs, own[route.chaser], strict=True):
@@ -96,7 +96,7 @@ def test_follow_stops_before_a_leg_that_it_cannot_pay() -> None:
     factor = {"lognormal_sigma": 3.0, "least": 1.0, "most": 3.0}  # one of both, nearly always
     dear = Uncertainty(legs={"delta_v_factor": factor})
     made, outcome = flown(instance, plan, "follow", dear)
-    (craft,) = made.crafts
+    (craft,) = made.chasers
     assert craft.ended in ("delta-v", "dry")
     assert 0 < outcome.prize < plan.objective
     spent = 0.0
@@ -114,7 +114,7 @@ def test_a_late_chaser_takes_the_next_connection_to_the_same_body() -> None:
     late = 0
     for seed in range(5):
         made, _ = flown(instance, plan, "follow", long, seed)
-        (craft,) = made.crafts
+        (craft,) = made.chasers
         legs = craft.made
         assert [instance.names[leg.hop.destination] for leg in legs] == list(
             plan.destinations[: len(legs)]
@@ -149,7 +149,7 @@ def test_targets_gone_and_failed_captures_are_lost_for_that_reason() -> None:
     made, outcome = flown(instance, plan, "follow", uncertainty)
     assert (outcome.losses[first], outcome.losses[second]) == ("gone", "capture")
     by_name = {
-        instance.names[leg.hop.destination]: leg for craft in made.crafts for leg in craft.made
+        instance.names[leg.hop.destination]: leg for craft in made.chasers for leg in craft.made
     }
     service_s = MissionFacts(instance).chasers[0].limits.service[instance.names.index(second)]
     gone, failed = by_name[first], by_name[second]
@@ -164,8 +164,8 @@ def test_a_launch_that_slips_begins_later() -> None:
     slips = Uncertainty(launches={"slip_s": {"mean_s": 86400.0}})
     made, _ = flown(instance, plan, "follow", slips, 3)
     facts, world = MissionFacts(instance), DrawnWorld(instance, slips, 3)
-    assert any(craft.made for craft in made.crafts)
-    for craft in made.crafts:
+    assert any(craft.made for craft in made.chasers)
+    for craft in made.chasers:
         chaser = facts.chasers[craft.chaser]
         assert world.slip_s(chaser.name) > 0.0
         if craft.made:

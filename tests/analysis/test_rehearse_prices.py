@@ -84,7 +84,7 @@ def _priced(
 ) -> float:
     """What the tries of a rehearsal are worth with a price of their time, draw by draw."""
     total, paid = 0.0, prices_of_tries(facts, per_day / DAY_S)
-    for craft in flown.crafts:
+    for craft in flown.chasers:
         for made in craft.made:
             j = made.hop.destination
             if j < facts.stations or (made.outcome == "dry" and not made.tries):
@@ -163,7 +163,7 @@ def test_a_price_of_uncertain_times_changes_no_mean() -> None:
         world = DrawnWorld(instance, uncertainty, seed)
         policy = policy_of("skip")(facts, planned, uncertainty, 0)
         flown = rehearsed(facts, world, policy, planned.kits)
-        late += any(made.outcome == "late" for craft in flown.crafts for made in craft.made)
+        late += any(made.outcome == "late" for craft in flown.chasers for made in craft.made)
         differences.append(_worth_of_times(facts, world, flown, 8.0) - flown.prize)
     assert late > 100
     error = np.std(differences) / math.sqrt(len(differences))
@@ -175,7 +175,7 @@ def _worth_of_times(
 ) -> float:
     """What services of one try are worth with a price of the time that they take in the mission."""
     total, per_s, uncertainty = 0.0, per_day / DAY_S, world.uncertainty
-    for craft in flown.crafts:
+    for craft in flown.chasers:
         limits = facts.chasers[craft.chaser].limits
         for made in craft.made:
             j, outcome = made.hop.destination, made.outcome

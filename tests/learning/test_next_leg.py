@@ -263,8 +263,8 @@ def test_every_leg_may_begin(draw) -> None:  # type: ignore[no-untyped-def]
         planned = without_plan(ground)
         policy = Watched(ground, planned, uncertainty, 0, drawn_scorer(seed))
         done = rehearsed(ground, DrawnWorld(instance, uncertainty, seed), policy, planned.kits)
-        closed = {made.hop.destination for craft in done.crafts for made in craft.made}
-        for craft in done.crafts:
+        closed = {made.hop.destination for craft in done.chasers for made in craft.made}
+        for craft in done.chasers:
             assert craft.ended in (FINISHED, LATE, DRY)
             if craft.ended == FINISHED and craft.made:
                 stopped += 1

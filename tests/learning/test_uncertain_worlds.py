@@ -107,7 +107,7 @@ def test_episodes_and_rehearsals_meet_the_same_world(seeds: range) -> None:
             told = play(env, rng)
             drawn = DrawnWorld(instance, model.of(instance), world)
             flown = rehearsed(facts, drawn, Played(env, facts), (0,))
-            (craft,) = flown.crafts
+            (craft,) = flown.chasers
             assert [each["outcome"] for each in told] == [made.outcome for made in craft.made]
             assert [each["tries"] for each in told] == [made.tries for made in craft.made]
             assert [each["time_s"] for each in told] == [made.free_s for made in craft.made]

@@ -68,7 +68,7 @@ def seen(
         20: choices.waits / (10.0 * HOUR_S),
         21: ranks == 0,
         22: np.where(ranks >= 0, 0.7 ** np.maximum(ranks, 0), 0.0),
-        23: choices.planned_elsewhere,
+        23: choices.planned_by_others,
         24: np.clip((choices.others_apart - direct) / 1000.0, -1.0, 1.0),
         25: np.isfinite(choices.others_apart),
         26: (standing.left - delta_v - choices.left) / full * ~station,

@@ -42,7 +42,7 @@ class Situation:
     facts : MissionFacts
     craft : FlyingChaser
         The chaser that decides.
-    crafts : tuple of FlyingChaser
+    chasers : tuple of FlyingChaser
         All of them; one that is under way as it will be if the leg goes as planned.
     closed : set of int
         Targets that are serviced, given up, gone, or on the way to which a chaser is.
@@ -50,7 +50,7 @@ class Situation:
 
     facts: MissionFacts
     craft: FlyingChaser
-    crafts: tuple[FlyingChaser, ...]
+    chasers: tuple[FlyingChaser, ...]
     closed: set[int]
 
 
@@ -75,7 +75,7 @@ class FlownMission:
 
     Attributes
     ----------
-    crafts : list of FlyingChaser
+    chasers : list of FlyingChaser
         At the end.
     prize : float
     expected : float
@@ -84,7 +84,7 @@ class FlownMission:
         In order of the ends of services.
     """
 
-    crafts: list[FlyingChaser]
+    chasers: list[FlyingChaser]
     prize: float = 0.0
     expected: float = 0.0
     serviced: list[int] = field(default_factory=list)
@@ -116,21 +116,21 @@ class _Rehearsal:
         self._worths = TryWorths(facts.instance, world.uncertainty)
         self._closed: set[int] = set()
         self._reopened: list[tuple[float, int]] = []
-        self._crafts: list[FlyingChaser] = []
+        self._chasers: list[FlyingChaser] = []
         self._planned: list[FlyingChaser] = []
         for number, what in enumerate(facts.chasers):
             slip = world.slip_s(what.name) if what.is_launched else 0.0
             usable = world.usable_share(what.name, 1)
             since = what.limits.ready
-            self._crafts.append(beginning(facts, number, kits[number], since + slip, usable))
+            self._chasers.append(beginning(facts, number, kits[number], since + slip, usable))
             # As planned: what is known of a chaser until it is free.
             self._planned.append(beginning(facts, number, kits[number], since, 1.0))
-        self._flown = FlownMission(self._crafts)
+        self._flown = FlownMission(self._chasers)
 
     def flown(self) -> FlownMission:
         """Fly on until no chaser does."""
         while True:
-            free = [craft for craft in self._crafts if not craft.ended]
+            free = [craft for craft in self._chasers if not craft.ended]
             if not free:
                 self._flown.serviced.sort(key=self._end_of)
                 return self._flown
@@ -154,7 +154,7 @@ class _Rehearsal:
     def _end_of(self, target: int) -> float:
         return next(
             made.end_s
-            for craft in self._crafts
+            for craft in self._chasers
             for made in craft.made
             if made.hop.destination == target and made.outcome == SERVICED
         )
@@ -169,7 +169,7 @@ class _Rehearsal:
             each
             if each is craft or (each.free_s <= time and not self._is_unknown(each, time))
             else self._planned[each.chaser]
-            for each in self._crafts
+            for each in self._chasers
         )
         return Situation(self._facts, craft, seen, self._closed)
 

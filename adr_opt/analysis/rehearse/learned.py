@@ -99,17 +99,17 @@ class Learned(AtDeviations):
         facts, craft, visible = self._facts, now.craft, self._visible
         route = self._routes[craft.chaser]
         planned = [each.hop.destination for each in route]
-        elsewhere = {
+        planned_by_others = {
             each.hop.destination
             for chaser, routed in enumerate(self._routes)
             for each in routed
             if chaser != craft.chaser
         }
-        others = [each.body for each in now.crafts if each.chaser != craft.chaser]
+        others = [each.body for each in now.chasers if each.chaser != craft.chaser]
         own = None
         if route and (route[0].origin, route[0].towed) == (craft.body, craft.towed):
             own = route[0].hop if route[0].departs(craft.free_s) else None
-        choices = visible.choices(craft, now.closed, planned, elsewhere, others, own)
+        choices = visible.choices(craft, now.closed, planned, planned_by_others, others, own)
         if not choices.legal.any():
             return None
         scores = self._scored(now, choices)
@@ -146,7 +146,7 @@ class Learned(AtDeviations):
             full - reserve,
             craft.since,
             facts.stations,
-            len(now.crafts),
+            len(now.chasers),
             craft.left - kept - ahead[0].left if ahead else None,
             ahead[0].free_s - craft.free_s if ahead else None,
         )

@@ -77,7 +77,7 @@ def outcome_of(
     names, prizes = facts.names, facts.prizes
     serviced = set(flown.serviced)
     losses = dict[str, str]()
-    for craft in flown.crafts:
+    for craft in flown.chasers:
         for made in craft.made:
             j = made.hop.destination
             if j >= facts.stations and j not in serviced:
@@ -87,7 +87,7 @@ def outcome_of(
             if j >= facts.stations and j not in serviced:
                 ended = craft.ended if keeps and craft.ended != FINISHED else LEFT_OUT
                 losses.setdefault(names[j], ended)
-    legs = [made for craft in flown.crafts for made in craft.made]
+    legs = [made for craft in flown.chasers for made in craft.made]
     course, spent, prize, delta_v = [], [], 0.0, 0.0
     for made in sorted(legs, key=lambda made: made.end_s):
         if made.outcome == SERVICED:
@@ -96,10 +96,10 @@ def outcome_of(
     for made in sorted(legs, key=lambda made: made.hop.arrival):
         delta_v += made.delta_v
         spent.append((made.hop.arrival, delta_v))
-    ends = [facts.instance.chasers[craft.chaser].end for craft in flown.crafts]
+    ends = [facts.instance.chasers[craft.chaser].end for craft in flown.chasers]
     returned = all(
         end == "anywhere" or names[craft.body] == end.station
-        for craft, end in zip(flown.crafts, ends, strict=True)
+        for craft, end in zip(flown.chasers, ends, strict=True)
     )
     return Rehearsal(
         seed,
@@ -119,7 +119,7 @@ def outcome_of(
 def _tanks(facts: MissionFacts, flown: FlownMission) -> list[tuple[str, int, float, bool]]:
     """Each tank of each chaser, with what was left of it at its end."""
     found = []
-    for craft in flown.crafts:
+    for craft in flown.chasers:
         name, number = facts.chasers[craft.chaser].name, 1
         for each in craft.made:
             if each.outcome == REFUELLED:

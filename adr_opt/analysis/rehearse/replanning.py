@@ -113,13 +113,13 @@ class AtEveryService:
     def _plan(self, now: Situation, *, cautious: bool = True) -> None:
         """Plan what is left, for all chasers, from where they are or will be."""
         facts, at_s = self._facts, now.craft.free_s
-        crafts = [craft for craft in now.crafts if craft is now.craft or not craft.ended]
-        states = in_order(facts.instance, tuple(_state(facts, craft, at_s) for craft in crafts))
+        flying = [craft for craft in now.chasers if craft is now.craft or not craft.ended]
+        states = in_order(facts.instance, tuple(_state(facts, craft, at_s) for craft in flying))
         former = {
             facts.chasers[craft.chaser].name: tuple(
                 facts.names[each.hop.destination] for each in self._routes[craft.chaser]
             )
-            for craft in crafts
+            for craft in flying
         }
         visited = {leg.destination for state in states for leg in state.legs}
         lost = [facts.names[j] for j in sorted(now.closed)]
@@ -140,7 +140,7 @@ class AtEveryService:
         else:
             return
         flown = {route.chaser: route.legs for route in rest.result.plan.routes}
-        here = {facts.chasers[craft.chaser].name: craft for craft in crafts}
+        here = {facts.chasers[craft.chaser].name: craft for craft in flying}
         before = {state.chaser.name: len(state.legs) for state in states}
         for state in rest.states:
             name = state.chaser.name

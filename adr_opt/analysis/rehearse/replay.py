@@ -79,7 +79,7 @@ def replay(setting: Setting, seed: int, connections: str | None = None) -> Repla
     number = {name: body for body, name in enumerate(problem.names)}
     routes = [
         [number[facts.names[made.hop.destination]] for made in _done(craft)]
-        for craft in flown.crafts
+        for craft in flown.chasers
     ]
     made = certify_routes(problem, setting.policy, routes, seed=seed, runtime_s=0.0)
     assert made.plan is not None  # nothing is required of it, and it was flown
@@ -95,7 +95,9 @@ def _as_instance(
     facts: MissionFacts, world: DrawnWorld, flown: FlownMission, connections: str | None
 ) -> Instance:
     instance, serviced = facts.instance, {facts.names[j] for j in flown.serviced}
-    visited = {facts.names[made.hop.destination] for craft in flown.crafts for made in _done(craft)}
+    visited = {
+        facts.names[made.hop.destination] for craft in flown.chasers for made in _done(craft)
+    }
     targets = tuple(
         target.replace(
             required=False,
@@ -109,8 +111,8 @@ def _as_instance(
         )
         for target in instance.targets
     )
-    chasers = tuple(_as_flown(instance.chasers[craft.chaser], craft) for craft in flown.crafts)
-    rows = [row for craft in flown.crafts for row in _rows(facts, world, craft)]
+    chasers = tuple(_as_flown(instance.chasers[craft.chaser], craft) for craft in flown.chasers)
+    rows = [row for craft in flown.chasers for row in _rows(facts, world, craft)]
     bare = instance.replace(
         name=f"{instance.name}-world-{world.seed}",
         targets=targets,

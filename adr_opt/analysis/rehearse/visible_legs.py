@@ -82,7 +82,7 @@ class VisibleLegs:
         craft: FlyingChaser,
         closed: set[int],
         planned: list[int],
-        elsewhere: set[int],
+        planned_by_others: set[int],
         others: list[int],
         own: Hop | None,
     ) -> Choices:
@@ -95,7 +95,7 @@ class VisibleLegs:
             Targets that are done, or on the way to which a chaser is.
         planned : list of int
             Bodies to which the rest of its plan leads, in order.
-        elsewhere : set of int
+        planned_by_others : set of int
             Targets to which plans of others lead.
         others : list of int
             Bodies at which other chasers are.
@@ -125,7 +125,7 @@ class VisibleLegs:
         for rank, j in reversed(list(enumerate(planned))):
             ranks[j] = rank
         theirs = np.zeros(ranks.size, dtype=np.bool_)
-        theirs[list(elsewhere)] = True
+        theirs[list(planned_by_others)] = True
         apart = np.full(bodies.size, np.inf)
         places = self.around.at(craft.free_s)
         for body in others:

@@ -192,8 +192,8 @@ def grid(instance: Instance, axes: Sequence[Axis]) -> list[PointLimits]:
     found = []
     for thrust_n, isp_s in _drives(instance, by_kind):
         # Where tanks stay, points are not told apart by this number.
-        held = with_drive(instance, thrust_n, isp_s).largest_tank_m_s
-        delta_vs = tuple(value for value, _ in tanks.values) or (held,)
+        largest_m_s = with_drive(instance, thrust_n, isp_s).largest_tank_m_s
+        delta_vs = tuple(value for value, _ in tanks.values) or (largest_m_s,)
         found += [PointLimits(*each, thrust_n, isp_s) for each in product(delta_vs, durations)]
     if len(found) > MOST_POINTS:
         raise InputError(f"{len(found)} points, more than {MOST_POINTS}")
@@ -267,8 +267,10 @@ def tanks_of(instance: Instance, axes: Sequence[Axis]) -> Tanks:
                 "more, so that points say nothing of each other; leave the limit out"
             )
         values = by_kind["propellant"].values
-        held = [instance.with_limits(propellant_kg=value).largest_tank_m_s for value in values]
-        return Tanks("propellant_kg", tuple(zip(held, values, strict=True)))
+        largest_m_s = [
+            instance.with_limits(propellant_kg=value).largest_tank_m_s for value in values
+        ]
+        return Tanks("propellant_kg", tuple(zip(largest_m_s, values, strict=True)))
     return Tanks()
 
 

@@ -102,9 +102,10 @@ def tradeoff(  # noqa: PLR0913
                     ) from error
                 cpu_s += point.cpu_s
                 told(point, board)
-    held = dict(tanks.values) if tanks.limit == "propellant_kg" else {}
+    propellants_kg = dict(tanks.values) if tanks.limit == "propellant_kg" else {}
     points = tuple(
-        replace(board.points[each], propellant_kg=held.get(each.delta_v_m_s)) for each in limits
+        replace(board.points[each], propellant_kg=propellants_kg.get(each.delta_v_m_s))
+        for each in limits
     )
     return Tradeoff(instance, tuple(axes), points, time.perf_counter() - began, cpu_s)
 

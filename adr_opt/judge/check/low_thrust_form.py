@@ -85,12 +85,12 @@ def places_of(
     first = np.linalg.solve(np.eye(3) + carried.T @ carried, carried.T @ wanted)
     low, high = (per_radius * (limit - ends.radius_i) for limit in limits)
     if not low <= first[1] <= high:
-        held = min(max(float(first[1]), low), high)
+        clamped = min(max(float(first[1]), low), high)
         others = np.array([0, 2])
-        less = wanted - held * carried[:, 1]
+        less = wanted - clamped * carried[:, 1]
         part = carried[:, others]
         solved = np.linalg.solve(np.eye(2) + part.T @ part, part.T @ less)
-        first = np.array([solved[0], held, solved[1]])
+        first = np.array([solved[0], clamped, solved[1]])
     second = wanted - carried @ first
     places = np.array([math.atan2(first[0], first[2]), math.atan2(second[0], second[2])])
     turned = [math.hypot(change[0], change[2]) for change in (first, second)]
@@ -137,7 +137,7 @@ def node_to_turn(ends: Ends, times: tuple[float, float], speed: float, tilt: flo
 
 
 @kernel
-def parts(
+def arc_costs(
     ends: Ends, steered: Steered, times: tuple[float, float], speed: float, tilt: float
 ) -> tuple[float, float, float]:
     """What is least, and ΔV of both arcs [m/s].

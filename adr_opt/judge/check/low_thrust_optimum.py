@@ -16,7 +16,15 @@ from ...kernels.legs.co_elliptic import TransferRule
 from ...problem.drives import Drive, since_j2000_s
 from ...problem.instance import Instance
 from .drift_ends import GOLDEN, Ends, ends_of
-from .low_thrust_form import WINDOWS_DEG, Steered, laps_at, parts, places_of, settled, shadows_of
+from .low_thrust_form import (
+    WINDOWS_DEG,
+    Steered,
+    arc_costs,
+    laps_at,
+    places_of,
+    settled,
+    shadows_of,
+)
 from .low_thrust_windows import steered_in
 
 FloatArray = npt.NDArray[np.float64]
@@ -43,22 +51,22 @@ def least_tilt(
     """The best change of inclination by the first arc, from some about one to golden section."""
     step, best, least = 2.0 * far / TILTS, 0, math.inf
     for number in range(TILTS + 1):
-        found = parts(ends, steered, times, speed, about - far + number * step)[0]
+        found = arc_costs(ends, steered, times, speed, about - far + number * step)[0]
         if found < least:
             best, least = number, found
     low, high = about - far + (best - 1) * step, about - far + (best + 1) * step
     one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    at_one = parts(ends, steered, times, speed, one)[0]
-    at_other = parts(ends, steered, times, speed, other)[0]
+    at_one = arc_costs(ends, steered, times, speed, one)[0]
+    at_other = arc_costs(ends, steered, times, speed, other)[0]
     while high - low > 1e-4:
         if at_one < at_other:
             high, other, at_other = other, one, at_one
             one = high - GOLDEN * (high - low)
-            at_one = parts(ends, steered, times, speed, one)[0]
+            at_one = arc_costs(ends, steered, times, speed, one)[0]
         else:
             low, one, at_one = one, other, at_other
             other = low + GOLDEN * (high - low)
-            at_other = parts(ends, steered, times, speed, other)[0]
+            at_other = arc_costs(ends, steered, times, speed, other)[0]
     return 0.5 * (low + high)
 
 
@@ -77,7 +85,7 @@ def best_speed(
     for number in range(SPEEDS + 1):
         speed = low + number * step
         tilt = least_tilt(ends, steered, times, speed, about, far)
-        found = parts(ends, steered, times, speed, tilt)[0]
+        found = arc_costs(ends, steered, times, speed, tilt)[0]
         if found < least:
             best, least = number, found
     low, high = max(low, low + (best - 1) * step), min(high, low + (best + 1) * step)
@@ -86,8 +94,8 @@ def best_speed(
         at_one = least_tilt(ends, steered, times, one, about, far)
         at_other = least_tilt(ends, steered, times, other, about, far)
         if (
-            parts(ends, steered, times, one, at_one)[0]
-            < parts(ends, steered, times, other, at_other)[0]
+            arc_costs(ends, steered, times, one, at_one)[0]
+            < arc_costs(ends, steered, times, other, at_other)[0]
         ):
             high = other
         else:
@@ -113,7 +121,7 @@ def cost_of(ends: Ends, steered: Steered, sharp: Steered, slowest: float, fastes
     far, low, high = 0.5 * ends.speed, slowest, fastest
     for _ in range(ROUNDS):
         speed, tilt = best_speed(ends, steered, times, low, high, tilt, far)
-        _, first, second = parts(ends, steered, times, speed, tilt)
+        _, first, second = arc_costs(ends, steered, times, speed, tilt)
         times, change = settled(times, steered, first, second)
         if times[0] + times[1] > room:
             return math.inf
@@ -137,7 +145,7 @@ def cost_of(ends: Ends, steered: Steered, sharp: Steered, slowest: float, fastes
                 else:
                     below = middle
             there = least_tilt(ends, sharp, these, below, there, 100.0)
-            _, first, second = parts(ends, sharp, these, below, there)
+            _, first, second = arc_costs(ends, sharp, these, below, there)
             these, change = settled(these, sharp, first, second)
             if these[0] + these[1] > room:
                 break

@@ -80,13 +80,13 @@ def between(knots: Array, states: Array, times_s: Array, method: str, degree: in
         at = chosen == first
         there, table = knots[first : first + count], states[first : first + count]
         centre, half = 0.5 * (there[0] + there[-1]), 0.5 * (there[-1] - there[0])
-        x, asked = (there - centre) / half, (times_s[at] - centre) / half
+        x, wanted = (there - centre) / half, (times_s[at] - centre) / half
         if method == "HERMITE":
             values = np.stack((table[:, :3], table[:, 3:] * half), axis=1).reshape(-1, 3)
             polynomial = KroghInterpolator(np.repeat(x, 2), values)
-            found[at, :3], found[at, 3:] = polynomial(asked), polynomial.derivative(asked) / half
+            found[at, :3], found[at, 3:] = polynomial(wanted), polynomial.derivative(wanted) / half
         else:
-            found[at] = BarycentricInterpolator(x, table)(asked)
+            found[at] = BarycentricInterpolator(x, table)(wanted)
     return found
 
 

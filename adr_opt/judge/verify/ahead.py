@@ -163,11 +163,11 @@ def _images(cargo, slot, slots, tops, image):
 
 
 @inlined
-def _served(values, image, desk):
+def _served(values, image, buffer):
     """The values before a service, from those after it."""
     for s in range(image.size):
-        desk[s] = values[image[s]] if image[s] >= 0 else NEVER
-    return desk
+        buffer[s] = values[image[s]] if image[s] >= 0 else NEVER
+    return buffer
 
 
 @kernel
@@ -250,7 +250,7 @@ def _sweep(legs, code, terms, tops, image, bits, best, second):
     layers, steps, bodies, slots = best.shape[0], best.shape[1] - 1, best.shape[2], best.shape[3]
     mask = np.int32((1 << bits) - 1)
     packing = Packing(mask, np.int32(NEVER))
-    desk, other_desk = np.empty(slots, np.int32), np.empty(slots, np.int32)
+    buffer, second_buffer = np.empty(slots, np.int32), np.empty(slots, np.int32)
     for kits in range(layers):
         for i in range(bodies):
             ends = may_end[i] and not is_unused(cargo, kits)
@@ -271,8 +271,8 @@ def _sweep(legs, code, terms, tops, image, bits, best, second):
                 rest = kits - cargo.takes[j]
                 landed, landed_second = best[rest, to, j], second[rest, to, j]
                 if changes(cargo, j, kits):
-                    landed = _served(landed, image[j, kits], desk)
-                    landed_second = _served(landed_second, image[j, kits], other_desk)
+                    landed = _served(landed, image[j, kits], buffer)
+                    landed_second = _served(landed_second, image[j, kits], second_buffer)
                 top = tops[kits] if is_station[j] else -1
                 put(
                     best[kits, step, i],

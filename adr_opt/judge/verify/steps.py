@@ -337,8 +337,8 @@ def _legs(
             shortest = min(shortest, least)
             parts.append(part[:count].copy())
         legs.append(np.sort(np.concatenate(parts)))
-        held = sum(each.nbytes for each in legs)
-        _find_room(held * (terms.bodies - i - 1) / (i + 1))
+        used_bytes = sum(each.nbytes for each in legs)
+        _find_room(used_bytes * (terms.bodies - i - 1) / (i + 1))
     if shortest < 1:
         raise InputError(
             f"field time_step_s = {grid.length!r}: there are legs that do not take as long"

@@ -128,7 +128,7 @@ def verify(
     reasons += sampled.faults
     labels, legs, refuted = 0, 0, False
     for walks in certificate.walks:
-        made, gone, reached = _asked(instance, connecting, certificate, walks)
+        made, gone, reached = _searched(instance, connecting, certificate, walks)
         labels, legs = labels + made, legs + gone
         if reached is not None:
             reasons.append(reached)
@@ -171,7 +171,7 @@ def _judge(instance: Instance, plan: Plan, certificate: Certificate) -> list[str
     return reasons
 
 
-def _asked(
+def _searched(
     instance: Instance, connecting: ConnectionFinder, certificate: Certificate, walks: ProvenWalks
 ) -> tuple[int, int, str | None]:
     """Number of labels and legs needed, and the error if a walk collects more than claimed."""

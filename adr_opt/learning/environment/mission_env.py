@@ -157,7 +157,7 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         self._targets = targets
         self._ahead = int(pool), int(pool_seed)
         self._drawn: DrawnFields | None = None
-        self._ground: PlayedFields | None = None
+        self._played: PlayedFields | None = None
         self._own: OwnField | None = None
         self._mission: Mission | None = None
         self._episodes = new_episodes(1, targets + 1)
@@ -167,7 +167,7 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         self.sequence: list[int] = []
 
     def __getstate__(self) -> dict[str, Any]:
-        # The mission is made again from the ground and the state when it is asked for.
+        # The mission is made again from the fields and the state when it is asked for.
         return {**self.__dict__, "_mission": None}
 
     def reset(
@@ -244,20 +244,20 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         return field.name
 
     def _start(
-        self, ground: PlayedFields, slot: int, delta_v_m_s: float, duration_s: float
+        self, played: PlayedFields, slot: int, delta_v_m_s: float, duration_s: float
     ) -> None:
-        self._ground, self._mission = ground, None
-        start(ground.pool, self._episodes, 0, slot, delta_v_m_s, duration_s)
+        self._played, self._mission = played, None
+        start(played.pool, self._episodes, 0, slot, delta_v_m_s, duration_s)
         if self._models:
-            if self._world is None or self._world.ground is not ground:
-                self._world = PlayedWorld(ground, self._models)
+            if self._world is None or self._world.played is not played:
+                self._world = PlayedWorld(played, self._models)
             self._world.begin(self._episodes, self.np_random, self._chosen_world)
-        self._observe(ground)
+        self._observe(played)
         self.sequence = []
 
-    def _observe(self, ground: PlayedFields) -> None:
+    def _observe(self, played: PlayedFields) -> None:
         worlds = None if self._world is None else self._world.worlds
-        self._board.observe(ground.pool.arrays, self._episodes, 0, 1, worlds)
+        self._board.observe(played.pool.arrays, self._episodes, 0, 1, worlds)
 
     def step(
         self, action: int | np.integer[Any]
@@ -269,7 +269,7 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         InputError
             The episode is over, or has not begun, or the action is not a whole number.
         """
-        if self._over or self._ground is None:
+        if self._over or self._played is None:
             raise InputError("the episode is over; call reset before the next step")
         try:
             actions = np.array([operator.index(action)], dtype=np.int64)
@@ -279,13 +279,13 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
             ) from None
         rewards = np.zeros(1, dtype=np.float32)
         if self._world is None:
-            kernels.act(self._ground.pool.arrays, self._episodes, 0, 1, actions, rewards)
+            kernels.act(self._played.pool.arrays, self._episodes, 0, 1, actions, rewards)
         else:
             self._world.act(self._episodes, actions, rewards)
         reward = float(rewards[0])
         if reward >= 0.0:
             self.sequence.append(int(kernels.body_of(int(actions[0]), self._targets)))
-        self._observe(self._ground)
+        self._observe(self._played)
         self._over = reward < 0.0 or not self._board.legal[0]
         return self._board.copy(0), reward, self._over, False, self._info()
 
@@ -299,7 +299,7 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         InputError
             None has begun.
         """
-        if self._ground is None:
+        if self._played is None:
             raise InputError(NONE_BEGUN)
         return allowed(self._board.mask[0])
 
@@ -338,18 +338,18 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         InputError
             None has begun.
         """
-        if self._ground is None:
+        if self._played is None:
             raise InputError(NONE_BEGUN)
         if self._mission is None:
             episodes = self._episodes
-            self._mission = self._ground.mission(
+            self._mission = self._played.mission(
                 int(episodes.slot[0]), float(episodes.budget[0]), float(episodes.duration[0])
             )
         return self._mission
 
     def render(self) -> Any:
         """The state as text (``ansi``) or as a picture (``rgb_array``)."""
-        if self.render_mode is None or self._ground is None:
+        if self.render_mode is None or self._played is None:
             return None
         state = {**self._info(), "body": int(self._episodes.body[0])}
         draw = sentence if self.render_mode == "ansi" else picture

@@ -28,20 +28,20 @@ class PlayedWorld:
 
     Parameters
     ----------
-    ground : PlayedFields
+    played : PlayedFields
         The fields that it is played on.
     models : sequence of Uncertainty
 
     Attributes
     ----------
-    ground : PlayedFields
+    played : PlayedFields
     losses : dict of str to str
         Targets that were lost so far, and the station where the way to it was too dear, each with
         the reason.
     """
 
-    def __init__(self, ground: PlayedFields, models: Sequence[Uncertainty]) -> None:
-        self.ground, self._models, self._slot = ground, models, 0
+    def __init__(self, played: PlayedFields, models: Sequence[Uncertainty]) -> None:
+        self.played, self._models, self._slot = played, models, 0
         self._pool: UncertainPool | None = None
         self._states = new_worlds(self._uncertain, 1).states
         self.losses: dict[str, str] = {}
@@ -53,7 +53,7 @@ class PlayedWorld:
     def _uncertain(self) -> UncertainPool:
         """What is uncertain about the fields, which all copies share."""
         if self._pool is None:
-            self._pool = self.ground.uncertain(self._models)
+            self._pool = self.played.uncertain(self._models)
             self._pool.install(self._slot)
         return self._pool
 
@@ -78,7 +78,7 @@ class PlayedWorld:
         self._uncertain.install(self._slot)
         model = rng.integers(len(self._models), size=1)
         seeds = rng.integers(LAST_WORLD, size=1) if seed is None else np.array([seed])
-        begin_in_worlds(self.ground.pool, episodes, self.worlds, ALONE, (seeds, model))
+        begin_in_worlds(self.played.pool, episodes, self.worlds, ALONE, (seeds, model))
         self.losses = {}
 
     def act(
@@ -88,7 +88,7 @@ class PlayedWorld:
         rewards: np.ndarray[Any, np.dtype[np.float32]],
     ) -> None:
         """Take an action, and note what was lost."""
-        fields = self.ground.pool
+        fields = self.played.pool
         kernels.act_in_worlds(fields.arrays, episodes, self.worlds, 0, 1, actions, rewards, ALONE)
         outcome = int(self._states.outcome[0])
         if outcome >= kernels.FAILED:

@@ -232,7 +232,7 @@ class MissionVecEnv(VecEnv):
             raise InputError("no actions are waiting; call step_async first")
         self._other.order = self._board.order
         self._board, self._other = self._other, self._board
-        self._share(self._take, self.num_envs)
+        self._share(self._act, self.num_envs)
         self._actions = None
         rewards = self._rewards * self._scale
         done = (self._rewards < 0.0) | (self._board.legal == 0)
@@ -254,7 +254,7 @@ class MissionVecEnv(VecEnv):
         for other in others:
             other.result()
 
-    def _take(self, first: int, last: int) -> None:
+    def _act(self, first: int, last: int) -> None:
         """Act and observe, in the order of the fields."""
         board, pool = self._board, self.pool.arrays
         taken = first, last, self._actions, self._rewards, board.order

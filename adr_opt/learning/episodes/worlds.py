@@ -108,7 +108,7 @@ class UncertainPool:
             ),
             families=np.zeros((slots, bodies, events, bodies), dtype=np.int8),
         )
-        self._held: list[Instance | None] = [None] * slots
+        self._installed: list[Instance | None] = [None] * slots
 
     def install(self, slot: int) -> None:
         """Prepare a slot for the field that stands in it, unless that is done.
@@ -120,7 +120,7 @@ class UncertainPool:
         """
         instance = self.fields.instances[slot]
         assert instance is not None
-        if self._held[slot] is instance:
+        if self._installed[slot] is instance:
             return
         models = [model.of(instance) for model in self.models]
         self._write_keys(slot, instance)
@@ -136,7 +136,7 @@ class UncertainPool:
                 rows[body] = _stay_row(model, target, float(services[body]))
         if self.tables.families.shape[2]:
             self._write_families(slot, instance)
-        self._held[slot] = instance
+        self._installed[slot] = instance
 
     def _write_keys(self, slot: int, instance: Instance) -> None:
         keys, own = self.tables.target_keys[slot], self.tables.own_keys[slot]

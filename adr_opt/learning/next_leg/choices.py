@@ -64,7 +64,7 @@ class Choices(NamedTuple):
     legal : (legs,) bool
     ranks : (legs,) int64
         Place among the planned legs that are left, from 0; −1 for none.
-    planned_elsewhere : (legs,) bool
+    planned_by_others : (legs,) bool
         Whether another chaser plans to go there.
     others_apart : (legs,) float64
         Distance of the nearest other chaser [m/s]; +inf without one.
@@ -79,5 +79,5 @@ class Choices(NamedTuple):
     waits: FloatArray
     legal: BoolArray
     ranks: IntArray
-    planned_elsewhere: BoolArray
+    planned_by_others: BoolArray
     others_apart: FloatArray

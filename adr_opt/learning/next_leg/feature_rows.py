@@ -151,7 +151,7 @@ def write_features(standing, choices, onward, places, worths, required, legs, mi
         rank = choices.ranks[leg]
         row[21] = rank == 0
         row[22] = PLANNED_DECAY**rank if rank >= 0 else 0.0
-        row[23] = choices.planned_elsewhere[leg]
+        row[23] = choices.planned_by_others[leg]
         beside = choices.others_apart[leg]
         row[24] = max(-1.0, min(1.0, (beside - direct) / 1000.0))
         row[25] = beside < math.inf

@@ -116,10 +116,10 @@ class LegScorer:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the weights, completely or not at all."""
-        held = io.BytesIO()
+        archive = io.BytesIO()
         told = np.frombuffer(json.dumps({"format": FORMAT, **self.facts}).encode(), dtype=np.uint8)
-        np.savez(held, allow_pickle=False, facts=told, **self.layers._asdict())
-        write_bytes(Path(path), held.getvalue())
+        np.savez(archive, allow_pickle=False, facts=told, **self.layers._asdict())
+        write_bytes(Path(path), archive.getvalue())
 
 
 def load_scorer(path: str | os.PathLike[str]) -> LegScorer:

@@ -108,12 +108,12 @@ class Filters:
             return ""
         told = [
             f"{what} are {low:.4g} to {high:.4g} {unit}"
-            for what, asked, values, unit in (
+            for what, limits, values, unit in (
                 ("altitudes", self.altitude_km, (known[:, 0] - EARTH_RADIUS_M) / 1e3, "km"),
                 ("inclinations", self.inclination_deg, np.degrees(known[:, 2]), "deg"),
                 ("RAANs", self.raan_deg, np.degrees(known[:, 3]) % 360.0, "deg"),
             )
-            if asked is not None
+            if limits is not None
             for low, high in ((float(values.min()), float(values.max())),)
         ]
         return ", ".join(told)

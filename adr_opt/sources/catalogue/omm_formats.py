@@ -239,11 +239,11 @@ def read_xml(data: bytes, source: str) -> Iterator[ElementSet | Dropped]:
         try:
             parser.Parse(chunk, not chunk)
         except expat.ExpatError as error:
-            yield from reader.take()
+            yield from reader.drained()
             detail = f"not well-formed XML: {expat.ErrorString(error.code)}"
             yield Dropped(source, error.lineno, omm.label(reader.fields), "malformed", detail)
             return
-        yield from reader.take()
+        yield from reader.drained()
         if begin + len(chunk) - max(parser.CurrentByteIndex, 0) > LONGEST_TOKEN + CHUNK:
             raise InputError(
                 f"{source}: line {parser.CurrentLineNumber}: a tag or a comment longer than "
@@ -265,7 +265,7 @@ class _Reader(XmlReader):
         self.leaf = ""
         self.text = ""
 
-    def take(self) -> list[ElementSet | Dropped]:
+    def drained(self) -> list[ElementSet | Dropped]:
         found, self.found = self.found, []
         return found
 

@@ -123,8 +123,8 @@ def _mean(state: Array) -> Array:
         inclination, node and mean argument of latitude [rad].
     """
     own = equinoctial.own_frame(state)
-    aimed = equinoctial.elements(state, own)
-    mean = aimed
+    osculating = equinoctial.elements(state, own)
+    mean = osculating
     for _ in range(ROUNDS):
         # The swing is that in the plane of the mean orbit, nearly that of the osculating one.
         moved = equinoctial.state_of(mean, own)
@@ -133,7 +133,7 @@ def _mean(state: Array) -> Array:
         reached = equinoctial.elements(
             equinoctial.state_of(elements + swing(elements, plane, ZONALS), plane), own
         )
-        change = aimed - reached
+        change = osculating - reached
         change[5] = math.remainder(change[5], math.tau)
         mean = mean + change
     moved = equinoctial.state_of(mean, own)
