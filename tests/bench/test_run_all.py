@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from run_all_rows import Load, kept, protocol, row
@@ -156,6 +157,26 @@ def test_files_of_others_and_of_the_version_before_are_refused(
             assert said in capsys.readouterr().err
         assert path.read_bytes() == before
         path.unlink()
+
+
+@pytest.mark.parametrize(
+    "facts",
+    [
+        {"objective": None},
+        {"refuellings": 10**400},
+        {"environment": {}},
+        {"planning_s": "1"},
+        {"x": 1},
+    ],
+)
+def test_rows_that_are_none_are_refused(
+    load: Load, tmp_path: Path, facts: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A row with an unknown or missing fact, or one of another type: a sentence with its line."""
+    (trial,) = protocol(load, fields=1, iterations=1).trials()
+    kept(load, tmp_path, [row(load, trial, "greedy@10", **facts)])
+    assert load("run_all").main(["--out", str(tmp_path), "--report-only"]) == 2
+    assert "results.jsonl: line 2: not a row of benchmark" in capsys.readouterr().err
 
 
 def test_rows_can_be_made_where_the_benchmark_is_not_installed(load: Load) -> None:
