@@ -183,6 +183,7 @@ def test_rows_can_be_made_where_the_benchmark_is_not_installed(load: Load) -> No
     """What is sent to a cluster needs adr-opt there, and none of the scripts of the benchmark."""
     cloudpickle = pytest.importorskip("cloudpickle")
     load("run_all")._by_value("dask://a:1")
+    load("harness.work").warm_up(load("harness.methods").parse_methods(("greedy",), 10.0)[0])
     asked = protocol(load, "greedy", fields=1, iterations=1, zones=0, suites=("tiny",))
     ((wanted,),) = [asked.wanted(trial) for trial in asked.trials()]
     made = subprocess.run(
