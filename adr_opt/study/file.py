@@ -198,13 +198,10 @@ def rows_of(path: Path, content: bytes, study: Study[Any, Any]) -> dict[str, Sto
     found = dict[str, Stored]()
     for number, line in enumerate(others[:-1], start=2):
         where = f"{path}: line {number}"
-        row = parse_json(line, where, "not a row of a study; name another file")
-        if (
-            not isinstance(row, dict)
-            or row.keys() != {"key", "value", "seconds"}
-            or not _is_time(row["seconds"])
-        ):
-            raise InputError(f"{where}: not a row of a study; name another file")
+        otherwise = "not a row of a study; name another file"
+        row = parse_json(line, where, otherwise)
+        if not isinstance(row, dict) or not _is_row(row):
+            raise InputError(f"{where}: {otherwise}")
         found[text_of(row["key"])] = Stored(where, **row)
     return found
 
@@ -212,12 +209,13 @@ def rows_of(path: Path, content: bytes, study: Study[Any, Any]) -> dict[str, Sto
 def _check_head(path: Path, first: bytes, study: Study[Any, Any], *, whole: bool) -> None:
     otherwise = f"not a file of a study ({study.protocol}); name another file"
     head = parse_json(first, str(path), otherwise)
-    if isinstance(head, dict) and head.get("format") in HEADS_BEFORE:
+    stated = head.get("format") if isinstance(head, dict) else None
+    if isinstance(stated, str) and stated in HEADS_BEFORE:
         raise InputError(
             f"{path}: a file of adr-opt 1.0, which this version does not go on with; name another "
             "file"
         )
-    if not whole or not isinstance(head, dict) or head.get("format") != FORMAT:
+    if not whole or stated != FORMAT:
         raise InputError(f"{path}: {otherwise}")
     wanted = head_of(study)
     for word in ("protocol", "version"):
@@ -235,5 +233,12 @@ def _check_head(path: Path, first: bytes, study: Study[Any, Any], *, whole: bool
             )
 
 
-def _is_time(seconds: object) -> bool:
-    return isinstance(seconds, (int, float)) and 0.0 <= seconds < math.inf
+def _is_row(row: dict[str, Any]) -> bool:
+    """Whether an object is a row as it is written, of numbers that are finite."""
+    if row.keys() != {"key", "value", "seconds"}:
+        return False
+    try:
+        text_of(row)  # Python reads NaN and 1e999, which are never written
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(row["seconds"], (int, float)) and row["seconds"] >= 0.0

@@ -244,7 +244,7 @@ def row_of(study: Study[K, V], key: K, stored: Stored) -> V:
         return study.from_json(key, stored.value)
     except InputError as error:
         raise InputError(f"{stored.where}: {error}; name another file") from None
-    except (ValueError, TypeError, KeyError, RecursionError):
+    except (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError):
         raise InputError(
             f"{stored.where}: not a row of {study.protocol}; name another file"
         ) from None

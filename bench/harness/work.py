@@ -32,25 +32,33 @@ from .trials import BoundCall, Trial, Wanted
 LONGEST_MESSAGE = 300
 WARM_LIMIT_S = 20.0
 
-_warm: set[object] = set()
+
+class _Kept:
+    """What this process found out; sent to a cluster with this module, it is empty there."""
+
+    def __init__(self) -> None:
+        self.warm: set[object] = set()
+        self.environment: dict[str, Any] = {}
+        self.problems: dict[tuple[bool, bool], Problem] = {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _Kept, ()
 
 
-# Without functools.cache, whose functions cannot be sent to a cluster by value.
-_environment: dict[str, Any] = {}
-_problems: dict[tuple[bool, bool], Problem] = {}
+_kept = _Kept()
 
 
 def environment() -> dict[str, Any]:
     """Host, processor, number of cores, Python and packages of this process."""
-    if not _environment:
-        _environment.update(
+    if not _kept.environment:
+        _kept.environment.update(
             host=socket.gethostname(),
             processor=processor(),
             cores=usable_cores(),
             python=platform.python_version(),
             versions="; ".join(f"{name} {number}" for name, number in versions().items()),
         )
-    return dict(_environment)
+    return dict(_kept.environment)
 
 
 class Rows:
@@ -151,24 +159,24 @@ def warm_up(method: Method | BoundCall, drifts: bool = False, campaign: bool = F
 
     Where nodes drift, or there are several chasers, there is more to compile.
     """
-    if (method, drifts, campaign) in _warm:
+    if (method, drifts, campaign) in _kept.warm:
         return 0.0
     began = time.perf_counter()
     with contextlib.suppress(Exception):  # its row will say so, with the clock running
         _solve_small(method, drifts, campaign)
-    _warm.add((method, drifts, campaign))
+    _kept.warm.add((method, drifts, campaign))
     return time.perf_counter() - began
 
 
 def _small(drifts: bool, campaign: bool) -> Problem:
     kind = drifts, campaign
-    if kind not in _problems:
-        _problems[kind] = (
+    if kind not in _kept.problems:
+        _kept.problems[kind] = (
             practice_problem(drifts, campaign)
             if campaign or drifts
             else problem_of(adr_opt.generate("tiny", 0, zones=2), threads=1)
         )
-    return _problems[kind]
+    return _kept.problems[kind]
 
 
 def _solve_small(method: Method | BoundCall, drifts: bool = False, campaign: bool = False) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from run_all_rows import Load, kept, protocol, row
@@ -158,10 +159,31 @@ def test_files_of_others_and_of_the_version_before_are_refused(
         path.unlink()
 
 
+@pytest.mark.parametrize(
+    "facts",
+    [
+        {"objective": None},
+        {"refuellings": 10**400},
+        {"environment": {}},
+        {"planning_s": "1"},
+        {"x": 1},
+    ],
+)
+def test_rows_that_are_none_are_refused(
+    load: Load, tmp_path: Path, facts: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A row with an unknown or missing fact, or one of another type: a sentence with its line."""
+    (trial,) = protocol(load, fields=1, iterations=1).trials()
+    kept(load, tmp_path, [row(load, trial, "greedy@10", **facts)])
+    assert load("run_all").main(["--out", str(tmp_path), "--report-only"]) == 2
+    assert "results.jsonl: line 2: not a row of benchmark" in capsys.readouterr().err
+
+
 def test_rows_can_be_made_where_the_benchmark_is_not_installed(load: Load) -> None:
     """What is sent to a cluster needs adr-opt there, and none of the scripts of the benchmark."""
     cloudpickle = pytest.importorskip("cloudpickle")
     load("run_all")._by_value("dask://a:1")
+    load("harness.work").warm_up(load("harness.methods").parse_methods(("greedy",), 10.0)[0])
     asked = protocol(load, "greedy", fields=1, iterations=1, zones=0, suites=("tiny",))
     ((wanted,),) = [asked.wanted(trial) for trial in asked.trials()]
     made = subprocess.run(

@@ -58,6 +58,9 @@ def test_a_run_goes_on_wherever_its_file_was_cut_off(
         '{"key":1,"value":1,"seconds":-1}',
         '{"key":1,"value":1,"seconds":0,"x":0}',
         '{"key":1,"key":2,"value":1,"seconds":0}',
+        '{"key":NaN,"value":1,"seconds":0}',
+        '{"key":1,"value":[1e999],"seconds":0}',
+        '{"key":1,"value":1,"seconds":Infinity}',
         "[" * 99_999,
     ],
 )
@@ -75,7 +78,16 @@ def test_a_bad_line_is_refused_wherever_it_stands(rows: Rows, tmp_path: Path, li
 
 
 @pytest.mark.parametrize(
-    "content", [b"notes", b"notes\n", b"\n", b"\xff\n", b'{"format": "x"}\n', b"[" * 99_999 + b"\n"]
+    "content",
+    [
+        b"notes",
+        b"notes\n",
+        b"\n",
+        b"\xff\n",
+        b'{"format": "x"}\n',
+        b'{"format": []}\n',
+        b"[" * 99_999 + b"\n",
+    ],
 )
 def test_other_files_are_refused_and_stay(rows: Rows, tmp_path: Path, content: bytes) -> None:
     """A file without the head, even one without the end of a line, is not written to."""
@@ -118,14 +130,18 @@ def test_a_row_that_is_none_of_the_study_is_refused(rows: Rows, tmp_path: Path) 
     """What the study does not read as a row of its own is refused with its line."""
 
     def strict(key: int, value: dict[str, int]) -> dict[str, int]:
-        if value["square"] != key * key:
+        if float(value["square"]) != key * key:
             raise InputError("no square")
         return value
 
     path = tmp_path / "a.jsonl"
     run(squares(rows), [1, 2], path)
     text = path.read_text()
-    for other, said in (('{"square":5}', "line 3: no square"), ("{}", "line 3: not a row of squ")):
+    for other, said in (
+        ('{"square":5}', "line 3: no square"),
+        ("{}", "line 3: not a row of squares"),
+        (f'{{"square":1{400 * "0"}}}', "line 3: not a row of squares"),
+    ):
         path.write_text(text.replace('{"square":4}', other))
         with pytest.raises(InputError, match=said):
             run(squares(rows, from_json=strict), [1, 2], path)

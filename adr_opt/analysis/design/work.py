@@ -144,7 +144,7 @@ class DesignWork:
         bound = math.inf if row["bound"] is None else row["bound"]
         times = row["runtime_s"], row["cpu_s"]
         for number in (bound, *times):
-            if not isinstance(number, (int, float)) or not number >= 0.0:
+            if not isinstance(number, (int, float)) or not float(number) >= 0.0:
                 raise ValueError("no number of a row")
         try:
             point = self.point(design, instance, plan, bound, *times)
