@@ -458,7 +458,7 @@ def test_fields_drawn_ahead_are_worked_out_once_and_shared(monkeypatch: pytest.M
         names.add(env.mission.instance.name)
     assert len(made) == 5 + 1  # and the lowest field once more, for the number of its events
     assert names == {each.name for each in made}
-    assert len({id(env._facts) for env in envs}) == 1
+    assert len({id(env._played) for env in envs}) == 1
     MissionEnv(fields=SMALL, pool=4, pool_seed=77).reset()
     assert len(made) == 6 + 4 + 1
 

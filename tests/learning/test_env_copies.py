@@ -96,7 +96,7 @@ def test_copies_share_timetables() -> None:
     for made in ("instance", "fields"):
         env = MissionEnv(**MADE[made]())
         env.reset(seed=1)
-        assert copy.deepcopy(env)._facts is env._facts
+        assert copy.deepcopy(env)._played is env._played
 
 
 @pytest.mark.parametrize("uncertainty", [None, TROUBLED])

@@ -11,7 +11,6 @@ import numpy.typing as npt
 from ...common.constants import MU_M3_S2
 from ...kernels.legs.co_elliptic import TransferRule
 from ...kernels.orbits import ephemeris
-from .eccentric import mean_perigee
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -114,11 +113,11 @@ def ends_of(
     ahead = ephemeris.latitude_at(destination, met) - ephemeris.latitude_at(origin, departure)
     ahead += math.cos(inclination) * (node - rate_j * approach)
     ahead -= rule.standoff / radius_j
-    perigees = mean_perigee(origin, arrival), mean_perigee(destination, arrival)
     vectors = [
         float(ephemeris.eccentricity_at(orbit, arrival))
         * np.array([math.cos(perigee), math.sin(perigee)])
-        for orbit, perigee in zip((origin, destination), perigees, strict=True)
+        for orbit in (origin, destination)
+        for perigee in [float(ephemeris.perigee_at(orbit, arrival))]
     ]
     return Ends(
         radius_i,

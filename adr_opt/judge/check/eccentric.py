@@ -39,11 +39,6 @@ class StatedSequence(NamedTuple):
     theta: float
 
 
-def mean_perigee(orbit: npt.NDArray[np.float64], time: float) -> float:
-    """Argument of perigee of a body at a time [rad]."""
-    return float(ephemeris.perigee_at(orbit, time))
-
-
 def matching_cost(
     origin: npt.NDArray[np.float64],
     destination: npt.NDArray[np.float64],
@@ -64,7 +59,7 @@ def matching_cost(
         node, ahead, normal = ephemeris.frame(
             ephemeris.inclination_at(orbit, departure), ephemeris.node_at(orbit, departure)
         )
-        perigee = mean_perigee(orbit, departure)
+        perigee = float(ephemeris.perigee_at(orbit, departure))
         vector = math.cos(perigee) * node + math.sin(perigee) * ahead
         vectors.append(shape * vector)
         normals.append(normal)
