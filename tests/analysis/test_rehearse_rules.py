@@ -40,7 +40,7 @@ def drawn_state(mission: Mission, rng: np.random.Generator) -> State:
         float(rules.ready + (rules.duration - rules.ready) * rng.random() ** 4),
         float(rules.budget * rng.random() ** 0.25),
         int(rng.integers(0, 3)),
-        int(rng.integers(0, 5)),
+        int(rng.integers(0, min(5, rules.service.size - rules.first_target))),
         int(rng.integers(0, most_kits(rules.loads) + 1)),
     )
     return State(np.int64(body), has)

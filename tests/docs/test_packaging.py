@@ -55,9 +55,10 @@ def test_the_recipe_needs_what_the_package_needs(
 
 
 def test_the_recipe_makes_this_version(project: dict[str, Any], recipe: dict[str, Any]) -> None:
-    """Version, entry point and licence are those of the package."""
+    """Version, entry point and licence are those of the package; the version is released."""
     stated = project["project"]
-    assert recipe["context"]["version"] == stated["version"]
+    cited = re.search(r"^version: (.*)$", read("CITATION.cff"), re.MULTILINE)
+    assert recipe["context"]["version"] == cited[1]
     assert recipe["package"]["name"] == stated["name"]
     ((name, called),) = stated["scripts"].items()
     assert recipe["build"]["python"]["entry_points"] == [f"{name} = {called}"]

@@ -47,7 +47,7 @@ def desk(tmp_path: Path) -> Iterator[Backend]:
 @pytest.fixture
 def streams(desk: Backend, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, list[int]]]:
     """Address of a server in this process, and which of its streams are open."""
-    said, held, count = app.told, [], iter(range(1000))
+    said, held, count = app.event_stream, [], iter(range(1000))
 
     async def counted(desk: Backend, closing: threading.Event) -> AsyncIterator[str]:
         number = next(count)
@@ -58,7 +58,7 @@ def streams(desk: Backend, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[st
         finally:
             held.remove(number)
 
-    monkeypatch.setattr(app, "told", counted)
+    monkeypatch.setattr(app, "event_stream", counted)
     server = Server(desk, listening())
     server.start()
     yield server.url, held
