@@ -8,7 +8,14 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 import pytest
-from random_rules import DAY_S, drifting_mission, given_mission, random_mission, towing_mission
+from random_rules import (
+    DAY_S,
+    drifting_mission,
+    given_mission,
+    random_mission,
+    towing_mission,
+    visiting_mission,
+)
 from seeds import over_kinds
 from verify_fields import Spoilt
 
@@ -174,3 +181,14 @@ def test_connections_from_where_tows_lead_are_those_of_check(seeds):
         assert sampled.faults == (), seed
         looked_at += sampled.departures
     assert looked_at > 1.6 * len(seeds)
+
+
+@pytest.mark.parametrize("seed", [7013, 7033, 7048])
+def test_no_connection_is_missed_to_where_a_tow_would_end_far_from_its_circle(seed):
+    """What tables leave out since `check` would refuse the tow is no gap in a proof."""
+    instance = visiting_mission(seed)
+    finder = ConnectionFinder(instance, relaxed=True)
+    assert np.isneginf(finder.ends.altitudes.arrive_by).any()
+    sampled = sample_connections(instance, finder, 1000, 0)
+    assert sampled.faults == ()
+    assert sampled.departures > 100

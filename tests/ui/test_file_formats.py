@@ -17,7 +17,6 @@ from timed_fields import timed_mission
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import read_model
-from adr_opt.study.file import HEADS_BEFORE
 from adr_opt.common.stability import PROVISIONAL_FORMATS, STABLE_FORMATS, stability
 from adr_opt.problem.given_functions import FunctionsFile
 from adr_opt.problem.uncertainty import Uncertainty
@@ -25,6 +24,7 @@ from adr_opt.sources.ephemerides.elements_file import read_elements, to_text
 from adr_opt.sources.library import load_library
 from adr_opt.sources.uncertainty.table import TargetErrorsFile
 from adr_opt.sources.worth.worth_file import WorthFile
+from adr_opt.study.file import HEADS_BEFORE
 from adr_opt.ui.cli.entry import main
 from adr_opt.ui.cli.schema import SCHEMAS
 from adr_opt.ui.serve.project.record import ProjectRecord, ResultRecord, StepRecord

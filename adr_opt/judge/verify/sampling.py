@@ -7,6 +7,7 @@ connection that leaves no earlier, arrives no later and costs no more, up to the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
@@ -14,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...kernels.legs import burns as burn_kernels
+from ...kernels.orbits import ephemeris
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.connections import Connections
 from ...legs.families.family import StatedLeg, Way
@@ -21,9 +23,12 @@ from ...legs.families.registry import families, registered_of
 from ...plan.leg_kinds import SHORT
 from ...plan.plan import Burn, Leg, burns_of
 from ...problem.instance import Instance
+from ..check.altitude import Heights
 from ..check.leg import Physics, check_transfer
-from ..check.violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
+from ..check.tow import Towed, released_between
+from ..check.violation import DELTA_V_TOLERANCE_M_S, MOST_RELEASE_OFF_M, TIME_TOLERANCE_S
 from .sequences import ways_after
+from .terms import services_s
 
 DEPARTURES_SHARE = 0.1
 """Number of sampled departures per connection flown again."""
@@ -33,6 +38,13 @@ PAIRS = 200
 
 ROUNDED_S = 16.0 + 2e-3
 """Largest rounding of departures where planes drift [s]."""
+
+SINKING_S = 7200.0 + 60.0
+"""Time before a body is too low in which nobody need leave it or arrive there [s]."""
+
+RELEASE_SPARE_M, PLACES = 500.0, 24
+"""What tows may be nearer to the limit of their release than `check` has it [m], and the number of
+places of an orbit that they are begun at."""
 
 NO_RULES = frozenset({"burns", "eccentricity", "given"})
 """Violations that concern only the form of a leg."""
@@ -105,6 +117,7 @@ def sample_connections(
                 f"{way.delta_v:.6g} m/s"
                 for way in ways
                 if not _is_matched(instance, found, way, resolution)
+                and not _is_barred(instance, physics, way, i, j)
             ]
     return Sampled(flown, departures, (*wrong[:1], *missing[:1]))
 
@@ -168,3 +181,44 @@ def _is_matched(instance: Instance, found: Connections, way: Way, resolution: fl
         & (found.delta_v <= most)
     )
     return bool(as_good.any())
+
+
+def _is_barred(instance: Instance, physics: Physics, way: Way, i: int, j: int) -> bool:
+    """Whether a body is too low by then, or a tow from it may end far from its circle.
+
+    Connections leave these bodies out (docs/model.md section 1.5). This is found out here by the
+    physics of `check`.
+    """
+    if physics.given is not None:
+        return False
+    heights, stays_s = Heights(instance), services_s(instance)
+    ends = [(i, way.departure)]
+    if j < instance.first_target:
+        ends.append((j, way.arrival + float(stays_s[j])))
+    else:
+        opens_s = instance.targets[j - instance.first_target].window_s[0]
+        ends.append((j, max(way.arrival, opens_s) + float(stays_s[j])))
+    for body, time_s in ends:
+        name = instance.names[body]
+        tow = physics.towed.get(name)
+        if tow is not None and body == i:
+            time_s -= tow.time_s
+        if heights.perigee_m(name, time_s + SINKING_S) < heights.least_m(name):
+            return True
+        if tow is not None and _may_end_far(tow, time_s, instance.oblateness_m2):
+            return True
+    return False
+
+
+def _may_end_far(tow: Towed, time_s: float, oblateness_m2: float) -> bool:
+    """Whether a tow that begins somewhere on its orbit ends far from its circle."""
+    if tow.slower is None:
+        return False
+    circle = float(ephemeris.radius_at(tow.left, ephemeris.EPOCH_S))
+    lap_s = math.tau / float(ephemeris.latitude_rate_at(tow.orbit, time_s))
+    for place in range(PLACES):
+        begin_s = time_s + place / PLACES * lap_s
+        between = released_between(tow, (begin_s, begin_s + tow.time_s), oblateness_m2)
+        if max(abs(radius - circle) for radius in between) > MOST_RELEASE_OFF_M - RELEASE_SPARE_M:
+            return True
+    return False
