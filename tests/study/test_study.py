@@ -237,12 +237,14 @@ def test_a_stop_leaves_out_what_it_cuts_short(tmp_path: Path) -> None:
 
 
 SCRIPT = """
-import sys, time
+import signal, sys, time
 from adr_opt.study import Study, run
 def slow(key, place):
     time.sleep(0.2 * (key > 0) + 60.0 * (key > 1))
     return key
 if __name__ == "__main__":
+    # Shells have it ignored in what they start in the background.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     done = lambda done, of: print(done, flush=True)
     run(Study("slow", 1, slow), range(9), sys.argv[1], jobs=int(sys.argv[2]), told=done)
 """
