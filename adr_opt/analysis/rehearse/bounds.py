@@ -10,7 +10,6 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -32,7 +31,7 @@ from ...study import Place, Study, check_file, run
 from .known_world import known_problem, refuse_bounds
 from .mission_facts import FOLLOWS, MissionFacts
 from .rehearsals import Rehearsals, share, summary
-from .worlds import EXACT, check_worlds, worlds_study
+from .worlds import EXACT, InProcess, check_worlds, worlds_study
 from .worths import (
     Worth,
     clairvoyant_worth,
@@ -89,26 +88,12 @@ class BoundSetting(NamedTuple):
         return worlds_study("bounds", _Proofs(self).row, of, WorldBounds)
 
 
-class _Proofs:
+class _Proofs(InProcess[BoundSetting]):
     """Bounds of one process, with what they share."""
-
-    def __init__(self, setting: BoundSetting) -> None:
-        self._setting = setting
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _Proofs, (self._setting,)  # what is shared stays in its process
-
-    @cached_property
-    def _alone(self) -> MissionFacts:
-        return MissionFacts(self._setting.instance)
-
-    @cached_property
-    def _beside(self) -> MissionFacts:
-        return MissionFacts(self._setting.instance, cores=1)
 
     def row(self, seed: int, place: Place) -> WorldBounds:
         """The bounds of the world of a seed."""
-        return world_bounds(self._alone if place.alone else self._beside, self._setting, seed)
+        return world_bounds(self.facts(place), self.setting, seed)
 
 
 @dataclass(frozen=True)

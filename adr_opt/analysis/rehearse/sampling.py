@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ...common.clock import now_s
 from ...common.errors import InputError
@@ -24,7 +24,7 @@ from .mission_facts import FOLLOWS, MissionFacts
 from .outcome import Rehearsal, outcome_of
 from .policies import NEED_PLAN, policy_of
 from .rehearsals import Rehearsals
-from .worlds import check_worlds, worlds_study
+from .worlds import InProcess, check_worlds, worlds_study
 
 CHUNK = 50
 """Maximum number of rehearsals of a call to another process."""
@@ -65,31 +65,16 @@ class Setting(NamedTuple):
         return worlds_study("rehearsals", _Flights(self).row, of, Rehearsal)
 
 
-class _Flights:
+class _Flights(InProcess[Setting]):
     """Rehearsals of one process, with what they share."""
-
-    def __init__(self, setting: Setting) -> None:
-        self._setting = setting
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _Flights, (self._setting,)  # what is shared stays in its process
-
-    @cached_property
-    def _alone(self) -> MissionFacts:
-        return MissionFacts(self._setting.instance)
-
-    @cached_property
-    def _beside(self) -> MissionFacts:
-        return MissionFacts(self._setting.instance, cores=1)
 
     @cached_property
     def _planned(self) -> Intended:
-        return intended(self._alone, self._setting.plan)
+        return intended(self.alone, self.setting.plan)
 
     def row(self, seed: int, place: Place) -> Rehearsal:
         """The rehearsal in the world of a seed."""
-        facts = self._alone if place.alone else self._beside
-        return flown_in(facts, self._planned, self._setting, seed)[1]
+        return flown_in(self.facts(place), self._planned, self.setting, seed)[1]
 
 
 def rehearse(  # noqa: PLR0913

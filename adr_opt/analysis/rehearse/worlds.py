@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import cached_property
 from hashlib import sha256
-from typing import Any, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from pydantic import ConfigDict, TypeAdapter
 
 from ...common.errors import InputError
 from ...common.json_text import validated
-from ...study import Study, check_jobs
+from ...problem.instance import Instance
+from ...study import Place, Study, check_jobs
 from ...study.workers import Row
+from .mission_facts import MissionFacts
 
 EXACT = ConfigDict(strict=True, allow_inf_nan=False, extra="forbid")
 """How the data classes of rows are read: of the types that they state, and finite."""
@@ -21,6 +24,46 @@ EXACT = ConfigDict(strict=True, allow_inf_nan=False, extra="forbid")
 MOST_SAMPLES = 1_000_000
 
 R = TypeVar("R")
+
+
+class OfInstance(Protocol):
+    """What rows of worlds depend on, an instance among it."""
+
+    @property
+    def instance(self) -> Instance:
+        """The instance."""
+        ...
+
+
+S = TypeVar("S", bound=OfInstance)
+
+
+class InProcess(Generic[S]):
+    """What the rows of one process share; another process makes its own.
+
+    Parameters
+    ----------
+    setting : S
+    """
+
+    def __init__(self, setting: S) -> None:
+        self.setting = setting
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.setting,)
+
+    @cached_property
+    def alone(self) -> MissionFacts:
+        """Facts for rows that are made alone, on all cores."""
+        return MissionFacts(self.setting.instance)
+
+    @cached_property
+    def _beside(self) -> MissionFacts:
+        return MissionFacts(self.setting.instance, cores=1)
+
+    def facts(self, place: Place) -> MissionFacts:
+        """Facts for a row that is made at a place."""
+        return self.alone if place.alone else self._beside
 
 
 def worlds_study(protocol: str, row: Row, of: Mapping[str, str], kind: type[R]) -> Study[int, R]:
