@@ -173,14 +173,17 @@ def test_connections_are_those_of_check(draw, seeds):
 
 @over_kinds("seeds", towing=(range(24), 3))
 def test_connections_from_where_tows_lead_are_those_of_check(seeds):
-    """All that are drawn can be flown, and none is missing."""
-    looked_at = 0
+    """All that are drawn can be flown, and none is missing; what is taken away is."""
+    looked_at = found_missing = 0
     for seed in seeds:
         instance = towing_mission(seed)
         sampled = sample_connections(instance, ConnectionFinder(instance), 100, seed)
         assert sampled.faults == (), seed
         looked_at += sampled.departures
+        fewer = sample_connections(instance, Spoilt(instance, 0.7, 0.0), 60, seed)
+        found_missing += any(fault.startswith("no connection") for fault in fewer.faults)
     assert looked_at > 1.6 * len(seeds)
+    assert found_missing > 0.3 * len(seeds)
 
 
 @pytest.mark.parametrize("seed", [7013, 7033, 7048])

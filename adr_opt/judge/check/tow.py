@@ -24,6 +24,10 @@ FloatArray = npt.NDArray[np.float64]
 SPIRAL_STEPS = 2000
 """Number of steps of a spiral."""
 
+RELEASE_SPARE_M, PLACES = 500.0, 24
+"""How much nearer than the limit a release has to be for all places of an orbit [m], and the number
+of places."""
+
 
 class Towed(NamedTuple):
     """A towed object.
@@ -181,6 +185,20 @@ def check_tow(
             f"{leg.destination!r} is released at {low:.1f} × {high:.1f} km, more than "
             f"{MOST_RELEASE_OFF_M / 1e3:g} km off the circle at {circle:g} km",
         )
+
+
+def may_end_far(towed: Towed, time_s: float, oblateness_m2: float) -> bool:
+    """Whether a tow in the revolution after a time [s] may end nearly as far off as is allowed."""
+    if towed.slower is None:
+        return False
+    circle = float(ephemeris.radius_at(towed.left, ephemeris.EPOCH_S))
+    lap_s = math.tau / float(ephemeris.latitude_rate_at(towed.orbit, time_s))
+    for place in range(PLACES):
+        begin_s = time_s + place / PLACES * lap_s
+        between = released_between(towed, (begin_s, begin_s + towed.time_s), oblateness_m2)
+        if max(abs(radius - circle) for radius in between) > MOST_RELEASE_OFF_M - RELEASE_SPARE_M:
+            return True
+    return False
 
 
 def released_between(

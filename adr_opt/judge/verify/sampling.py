@@ -7,7 +7,6 @@ connection that leaves no earlier, arrives no later and costs no more, up to the
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
@@ -15,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ...kernels.legs import burns as burn_kernels
-from ...kernels.orbits import ephemeris
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.connections import Connections
 from ...legs.families.family import StatedLeg, Way
@@ -25,8 +23,8 @@ from ...plan.plan import Burn, Leg, burns_of
 from ...problem.instance import Instance
 from ..check.altitude import Heights
 from ..check.leg import Physics, check_transfer
-from ..check.tow import Towed, released_between
-from ..check.violation import DELTA_V_TOLERANCE_M_S, MOST_RELEASE_OFF_M, TIME_TOLERANCE_S
+from ..check.tow import may_end_far
+from ..check.violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
 from .sequences import ways_after
 from .terms import services_s
 
@@ -41,10 +39,6 @@ ROUNDED_S = 16.0 + 2e-3
 
 SINKING_S = 7200.0 + 60.0
 """Time before a body is too low in which nobody need leave it or arrive there [s]."""
-
-RELEASE_SPARE_M, PLACES = 500.0, 24
-"""What tows may be nearer to the limit of their release than `check` has it [m], and the number of
-places of an orbit that they are begun at."""
 
 NO_RULES = frozenset({"burns", "eccentricity", "given"})
 """Violations that concern only the form of a leg."""
@@ -205,20 +199,6 @@ def _is_barred(instance: Instance, physics: Physics, way: Way, i: int, j: int) -
             time_s -= tow.time_s
         if heights.perigee_m(name, time_s + SINKING_S) < heights.least_m(name):
             return True
-        if tow is not None and _may_end_far(tow, time_s, instance.oblateness_m2):
-            return True
-    return False
-
-
-def _may_end_far(tow: Towed, time_s: float, oblateness_m2: float) -> bool:
-    """Whether a tow that begins somewhere on its orbit ends far from its circle."""
-    if tow.slower is None:
-        return False
-    circle = float(ephemeris.radius_at(tow.left, ephemeris.EPOCH_S))
-    lap_s = math.tau / float(ephemeris.latitude_rate_at(tow.orbit, time_s))
-    for place in range(PLACES):
-        begin_s = time_s + place / PLACES * lap_s
-        between = released_between(tow, (begin_s, begin_s + tow.time_s), oblateness_m2)
-        if max(abs(radius - circle) for radius in between) > MOST_RELEASE_OFF_M - RELEASE_SPARE_M:
+        if tow is not None and may_end_far(tow, time_s, instance.oblateness_m2):
             return True
     return False
