@@ -13,6 +13,9 @@ ROOT = Path(__file__).parents[2]
 
 PRODUCT = ("adr_opt", "solvers")
 
+APART = {"adr_opt/ui/cli/warm_up.py", "bench/tables.py", "bench/wheel.py"}
+"""Modules that start processes for something else than rows."""
+
 DOORS = {
     # keys that stand twice are refused there; records of OMM are decoded one by one, with a check
     # that knows their spellings
@@ -28,8 +31,9 @@ DOORS = {
     "cpu_count": ((*PRODUCT, "bench"), {"adr_opt/common/processors.py"}),
     # rows are made by studies: a process that dies, a Ctrl-C and a stop are seen to there alone.
     # 'warm-up' tells what a process compiles, and so has one for each method.
-    "ProcessPoolExecutor": (PRODUCT, {"adr_opt/ui/cli/warm_up.py"}),
-    "get_context": (PRODUCT, {"adr_opt/study/processes.py", "adr_opt/ui/cli/warm_up.py"}),
+    # So have figures of bench/tables.py that a used process would spoil, and kernels of a wheel.
+    "ProcessPoolExecutor": ((*PRODUCT, "bench"), APART),
+    "get_context": ((*PRODUCT, "bench"), {"adr_opt/study/processes.py", *APART}),
     "Process": (PRODUCT, {"adr_opt/study/processes.py"}),
     "Pool": (PRODUCT, set()),
     "Client": ((*PRODUCT, "bench"), {"adr_opt/study/cluster.py"}),
