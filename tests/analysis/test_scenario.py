@@ -417,9 +417,8 @@ def test_files_of_another_scenario_are_refused(resumed: Any) -> None:
     try:
         for wrong in wrong_years(lines[1]):
             path.write_bytes(lines[0] + wrong)
-            with pytest.raises(
-                InputError, match=r"years\.jsonl: line 2: not a row of (scenario|a study)"
-            ):
+            of = "a study" if b"NaN" in wrong else "scenario"  # no file has such a number
+            with pytest.raises(InputError, match=rf"years\.jsonl: line 2: not a row of {of};"):
                 run()
             assert path.read_bytes() == lines[0] + wrong
         other = json.loads(lines[2]) | {"key": json.loads(lines[1])["key"]}
