@@ -18,6 +18,10 @@ from interruptible import CHILD
 
 LOADED_S = 60.0
 """A report is there by then."""
+PAINTED = (
+    "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))"
+)
+"""True once the page has been painted as it is now."""
 
 
 @contextmanager
@@ -90,16 +94,22 @@ def look(tab: Browser, width: int, dark: bool) -> None:
 def drop(tab: Browser, *paths: Path) -> None:
     """Drag files over the edge of the page onto its middle, and let them go.
 
-    The report in its frame has events of its own: a page hears of files that come over its edge.
+    The report in its frame has events of its own: a page hears of files that come over its edge,
+    and lets them through its frame once it has been painted again. A hidden tab is not painted.
     """
     files = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
-    for kind, x, y in (
-        ("dragEnter", 4, 4),
-        ("dragOver", 4, 4),
-        ("dragOver", 640, 300),
-        ("drop", 640, 300),
-    ):
+
+    def move(kind: str, x: int, y: int) -> None:
         tab.call("Input.dispatchDragEvent", type=kind, x=x, y=y, data=files)
+
+    tab.call("Page.bringToFront")
+    tab.evaluate(PAINTED)
+    move("dragEnter", 4, 4)
+    move("dragOver", 4, 4)
+    tab.wait_for("document.body.classList.contains('dragging')")
+    tab.evaluate(PAINTED)
+    move("dragOver", 640, 300)
+    move("drop", 640, 300)
 
 
 def drag(
