@@ -37,6 +37,7 @@ class DriftLegs(LegFamily):
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
         pair = ends.leaving, ends.arriving, ends.rule, stated.departure, stated.arrival
         flight = drift_burns.flown(*pair)
-        names = tuple(burn_kernels.PHASES[phase] for phase in drift_burns.PHASES)
+        phases = [*drift_burns.PHASES, *[burn_kernels.APPROACH] * len(ends.rule.approach)]
+        names = tuple(burn_kernels.PHASES[phase] for phase in phases)
         manoeuvres = Manoeuvres(flight.times, flight.vectors, names)
         return FlownLeg(stated.departure, drift_burns.shape_m_s(*pair), manoeuvres)
