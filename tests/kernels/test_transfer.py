@@ -224,7 +224,8 @@ def test_floor_is_below_every_sequence():
 def test_burns_add_up_to_the_cost(ellipse):
     """The magnitudes of the burn vectors sum to the ΔV, in time order from the departure on."""
     rule = rows.rule(ellipse=ellipse)
-    for i, j, pair, departure, lead in pairs(6):
+    for i, j, _, departure, lead in pairs(6):
+        pair = co_elliptic.prepare(i, j, 0.0, rule, ephemeris.EPOCH_S)
         best = best_sequence(pair, rule, departure, lead)
         if not math.isfinite(best.delta_v):
             continue

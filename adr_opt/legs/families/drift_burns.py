@@ -25,9 +25,11 @@ from ...common.constants import DAY_S, MU_M3_S2, TURN_RAD
 from ...common.errors import InputError
 from ...kernels.legs import co_elliptic, drift, drift_arcs, drift_pair
 from ...kernels.legs.burns import (
+    APPROACH,
     CO_ELLIPTIC,
     DRIFT,
     HOHMANN_1,
+    PHASES,
     TERMINAL,
     approach_burns,
     half_ellipse_speeds,
@@ -47,10 +49,6 @@ crossings may turn out to be minutes too late."""
 CLOSE_M, FARTHEST_M, MOST_STEPS = 1e-6, 5e3, 40
 """Tolerance of a radius [m], its largest step [m], and the maximum number of steps."""
 
-PHASES = (HOHMANN_1, DRIFT, CO_ELLIPTIC, TERMINAL, TERMINAL)
-"""Phases begun by the burns of a drift leg before its approach; the second terminal burn ends
-its own."""
-
 LEAST_CLIMB_M_S = 1e-3
 """Cost of leaving the drift orbit below which two burns share the turn [m/s]."""
 
@@ -68,6 +66,12 @@ class DriftBurns(NamedTuple):
     def delta_v(self) -> float:
         """Sum of the burns [m/s]."""
         return float(np.linalg.norm(self.vectors, axis=1).sum())
+
+
+def phases(rule: TransferRule) -> tuple[str, ...]:
+    """Phases begun by the burns of a drift leg; the second terminal burn ends its own."""
+    begun = (HOHMANN_1, DRIFT, CO_ELLIPTIC, TERMINAL, TERMINAL)
+    return tuple(PHASES[phase] for phase in (*begun, *[APPROACH] * len(rule.approach)))
 
 
 def flown(
