@@ -162,6 +162,11 @@ class SequenceSettings(Record):
     approach_revolutions: Annotated[int, Field(ge=1, le=100)] = 2
     inspection_revolutions: Annotated[int, Field(ge=0, le=100)] = 0
 
+    @property
+    def kept_out_m(self) -> float | None:
+        """Radius that the approach keeps out of, whichever burn is missed; None for half a lap."""
+        return None if self.approach == "half-lap" else self.keep_out_m
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.max_altitude_m <= self.min_altitude_m:

@@ -108,7 +108,7 @@ def test_no_missed_burn_leads_near_a_thousand_targets(seed: int) -> None:
 
 
 @over_seeds(range(6), gate=1)
-@pytest.mark.parametrize("dynamics", ["two-body", "j2"])
+@pytest.mark.parametrize("dynamics", [pytest.param("two-body", marks=pytest.mark.slow), "j2"])
 def test_plans_with_safety_ellipses_are_legal_and_fly(seed: int, dynamics: str) -> None:
     """Planned, proven, checked, flown; refined, and checked and flown again."""
     instance = mission(seed, dynamics)

@@ -54,14 +54,14 @@ def _moved(states: Array, step_s: Array | float) -> Array:
     return moved
 
 
-def nearest_m(
-    target: Array,
-    chaser: Array,
-    times_s: Array,
-    burn: Callable[[int, Array], Array],
-    revolution_s: Array,
-) -> Array:
-    """Least distances from targets, each burn of their approaches missed in turn.
+Burning = Callable[[int, Array], Array]
+"""From the number of a burn and states before it, (..., approaches, 6), to impulses [m/s]."""
+
+
+def flights(
+    target: Array, chaser: Array, times_s: Array, burn: Burning, until_s: Array
+) -> Iterator[tuple[Array, Array, Array]]:
+    """Fly approaches, each burn missed in turn, and with it all after it.
 
     Parameters
     ----------
@@ -70,38 +70,51 @@ def nearest_m(
     times_s : (burns, approaches) float64
         Of the burns, from the stand-off, in order [s].
     burn : callable
-        From the number of a burn and states before it, (..., approaches, 6), to impulses [m/s].
-    revolution_s : (approaches,) float64
-        Of the targets [s].
+    until_s : (approaches,) float64
+        When flights end [s].
 
-    Returns
-    -------
-    (burns, approaches) float64
-        Up to :data:`.approach.LAPS_AFTER` revolutions after the missed burn [m].
+    Yields
+    ------
+    now_s : (approaches,) float64
+    target : (approaches, 6) float64
+    flown : (burns + 1, approaches, 6) float64
+        The chasers that miss each burn, and those that miss none.
     """
     count = len(times_s)
-    flown = np.repeat(chaser[None], count, axis=0)
-    least = np.full(times_s.shape, np.inf)
-    ends = times_s + LAPS_AFTER * revolution_s
-    now = np.zeros(len(target))
-    for at in range(count + 1):
-        until = times_s[at] if at < count else ends.max(axis=0)
-        steps = max(1, math.ceil(STEPS * float(((until - now) / revolution_s).max())))
-        step = (until - now) / steps
-        for number in range(steps + 1):
-            apart = np.sqrt(np.sum((flown[..., :3] - target[:, :3]) ** 2, axis=-1))
-            counts = now + number * step <= ends + 1e-6
-            least = np.where(counts, np.minimum(least, apart), least)
-            if number < steps:
-                target = _moved(target, step[:, None])
-                flown = _moved(flown, step[:, None])
+    flown, now = np.repeat(chaser[None], count + 1, axis=0), np.zeros(len(target))
+    axis = 1.0 / (
+        2.0 / np.sqrt(np.sum(target[:, :3] ** 2, axis=1))
+        - np.sum(target[:, 3:] ** 2, axis=1) / MU_M3_S2
+    )
+    longest = math.tau * np.sqrt(axis**3 / MU_M3_S2) / STEPS
+    for at, until in enumerate([*times_s, until_s]):
+        steps = max(1, math.ceil(float(((until - now) / longest).max())))
+        step = ((until - now) / steps)[:, None]
+        for number in range(steps):
+            yield now + number * step[:, 0], target, flown
+            target, flown = _moved(target, step), _moved(flown, step)
         now = until
         if at < count:
             flown[at + 1 :, :, 3:] += burn(at, flown[at + 1 :])
+    yield now, target, flown
+
+
+def nearest_m(
+    target: Array, chaser: Array, times_s: Array, burn: Burning, revolution_s: Array
+) -> Array:
+    """Least distances of :func:`flights` from the targets, shape (burns, approaches) [m].
+
+    Up to :data:`.approach.LAPS_AFTER` revolutions after the missed burn.
+    """
+    least = np.full(times_s.shape, np.inf)
+    ends = times_s + LAPS_AFTER * revolution_s
+    for now, there, flown in flights(target, chaser, times_s, burn, ends[-1]):
+        apart = np.sqrt(np.sum((flown[:-1, :, :3] - there[:, :3]) ** 2, axis=-1))
+        least = np.where(now <= ends, np.minimum(least, apart), least)
     return least
 
 
-def rule_of(rows: Array, motion: Array) -> Callable[[int, Array], Array]:
+def rule_of(rows: Array, motion: Array) -> Burning:
     """Burns of an approach as they are made: in the plane across and along the velocity.
 
     Parameters
