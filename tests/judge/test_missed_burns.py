@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+from catalogue_files import as_json, field
+from conftest import Cli, refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from seeds import over_seeds
@@ -171,3 +174,16 @@ def test_an_ellipse_about_an_eccentric_orbit_is_refused() -> None:
     rounder = first.replace(orbit=first.orbit.replace(eccentricity=0.03))
     with pytest.raises(InputError, match=r"not about 'debris-001', of eccentricity 0.03"):
         instance.replace(targets=(rounder, *others))
+
+
+def test_safety_ellipses_are_made_by_options(cli: Cli, tmp_path: Path) -> None:
+    """`generate` and `import` write them, and say which option does not go with months."""
+    assert cli("generate", "tiny", "--approach", "safety-ellipse", "--out", "a.json").status == 0
+    made = adr_opt.load(tmp_path / "a.json")
+    assert (made.transfer, made.name) == (ELLIPSE, "tiny-000-fitted")
+    assert made.targets == adr_opt.generate("tiny", 0).targets
+    (tmp_path / "all.json").write_text(as_json(field(8)), encoding="utf-8")
+    call = ("import", "all.json", "--approach", "safety-ellipse", "--out", "b.json")
+    assert cli(*call).status == 0
+    assert adr_opt.load(tmp_path / "b.json").transfer.approach == "safety-ellipse"
+    refused(cli(*call, "--duration-days", "90"), "--approach (approach", "do not charge it yet")
