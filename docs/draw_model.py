@@ -10,6 +10,7 @@ instance, so that the pictures show what the model does. Needs the extra ``[viz]
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -161,7 +162,8 @@ def approach() -> Any:
     ends = times[:, 0] + LAPS_AFTER * revolution
     tracks: list[list[Any]] = [[] for _ in range(judged + 1)]
     burn, last = rule_of(rows, motion), ends[judged - 1 : judged]
-    for now, there, flown in flights(target, chaser, times, burn, last):
+    steps = flights(target, chaser, times, burn, last)
+    for now, there, flown in itertools.islice(steps, 0, None, 5):
         outward = there[0, :3] / np.linalg.norm(there[0, :3])
         across = np.cross(there[0, :3], there[0, 3:])
         across /= np.linalg.norm(across)
@@ -497,7 +499,6 @@ def mission() -> Any:
 
 PICTURES: dict[str, Callable[[], Any]] = {
     "sequence": sequence,
-    "approach": approach,
     "leg": leg,
     "timetable": timetable,
     "detour": detour,
@@ -506,6 +507,7 @@ PICTURES: dict[str, Callable[[], Any]] = {
     "drift": drift,
     "flown": flown,
     "mission": mission,
+    "approach": approach,
 }
 
 
