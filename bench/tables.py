@@ -48,7 +48,8 @@ def experiment(
         Exit status: 0, that of the table, or 2 with a sentence where the input is wrong.
     """
     parser = argparse.ArgumentParser(
-        description=text, formatter_class=argparse.RawDescriptionHelpFormatter
+        description=_unformatted(text or ""),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     if len(tables) == 1:
         add_words(parser, tables[0])
@@ -59,8 +60,8 @@ def experiment(
             said = inspect.getdoc(table) or ""
             one = names.add_parser(
                 table.__name__.replace("_", "-"),
-                help=said.partition("\n")[0],
-                description=said,
+                help=_unformatted(said.partition("\n")[0]),
+                description=_unformatted(said),
                 formatter_class=argparse.RawDescriptionHelpFormatter,
             )
             add_words(one, table)
@@ -101,9 +102,14 @@ def add_words(parser: argparse.ArgumentParser, table: Callable[..., object]) -> 
                 f"--{name.replace('_', '-')}",
                 default=given,
                 nargs="+" if several else None,
-                help="" if given is None else f"[{shown}]".replace("%", "%%"),
+                help="" if given is None else _unformatted(f"[{shown}]"),
                 **how,
             )
+
+
+def _unformatted(text: str) -> str:
+    """A text for argparse, which formats what it prints."""
+    return text.replace("%", "%%")
 
 
 def _kind(annotation: Any) -> tuple[Any, bool]:
