@@ -48,8 +48,7 @@ def experiment(
         Exit status: 0, that of the table, or 2 with a sentence where the input is wrong.
     """
     parser = argparse.ArgumentParser(
-        description=_unformatted(text or ""),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description=text, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     if len(tables) == 1:
         add_words(parser, tables[0])
@@ -61,7 +60,7 @@ def experiment(
             one = names.add_parser(
                 table.__name__.replace("_", "-"),
                 help=_unformatted(said.partition("\n")[0]),
-                description=_unformatted(said),
+                description=said,
                 formatter_class=argparse.RawDescriptionHelpFormatter,
             )
             add_words(one, table)
@@ -108,7 +107,7 @@ def add_words(parser: argparse.ArgumentParser, table: Callable[..., object]) -> 
 
 
 def _unformatted(text: str) -> str:
-    """A text for argparse, which formats what it prints."""
+    """A text for argparse, which formats its lines of help, and not its descriptions."""
     return text.replace("%", "%%")
 
 
