@@ -51,7 +51,13 @@ def faults(script: Path) -> list[str]:
                 modules[each.asname or each.name] = f"{node.module}.{each.name}"
     made = {each.name for each in tree.body if isinstance(each, ast.FunctionDef)}
     found += [f"{name} hides an import" for name in sorted(made & imported)]
-    functions = made - imported
+    own = {each.arg for each in ast.walk(tree) if isinstance(each, ast.arg)}
+    own |= {
+        each.id
+        for each in ast.walk(tree)
+        if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
+    }
+    functions = made - imported - own
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             if node.value.id in functions:
