@@ -25,6 +25,7 @@ from adr_opt.analysis.scenario.campaign import check_template
 from adr_opt.analysis.trade.axes import Axis
 from adr_opt.analysis.trade.frontier import check_frontier
 from adr_opt.analysis.trade.run import tradeoff
+from adr_opt.analysis.windows import CaptureConditions, windows_of
 from adr_opt.common.errors import InputError
 from adr_opt.common.records import Record
 from adr_opt.export.flights.write import write_plan
@@ -265,6 +266,7 @@ def _calls(instance: Instance, plan: Plan, certificate: Certificate) -> dict[str
         "designs": lambda: rating_of(instance, None),
         "scenario": lambda: check_template(instance),
         "frontier": lambda: check_frontier(instance),
+        "windows": lambda: windows_of(instance, CaptureConditions(light=True)),
     }
 
 
@@ -285,6 +287,7 @@ def test_whatever_reads_an_instance_refuses_a_new_field(
 
 
 CLI_CALLS = {
+    "windows": "--light",
     "solve": "",
     "bound": "",
     "check": "plan.json",

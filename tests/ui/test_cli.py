@@ -41,6 +41,7 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
         "generate",
         "worth",
         "import",
+        "windows",
         "solve",
         "bound",
         "check",
