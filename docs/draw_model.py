@@ -10,7 +10,6 @@ instance, so that the pictures show what the model does. Needs the extra ``[viz]
 from __future__ import annotations
 
 import argparse
-import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -162,8 +161,7 @@ def approach() -> Any:
     ends = times[:, 0] + LAPS_AFTER * revolution
     tracks: list[list[Any]] = [[] for _ in range(judged + 1)]
     burn, last = rule_of(rows, motion), ends[judged - 1 : judged]
-    steps = flights(target, chaser, times, burn, last)
-    for now, there, flown in itertools.islice(steps, 0, None, 5):
+    for step, (now, there, flown) in enumerate(flights(target, chaser, times, burn, last)):
         outward = there[0, :3] / np.linalg.norm(there[0, :3])
         across = np.cross(there[0, :3], there[0, 3:])
         across /= np.linalg.norm(across)
@@ -171,9 +169,10 @@ def approach() -> Any:
             [np.cross(across, outward), outward, across], axis=1
         )
         for number in range(judged):
-            if times[number, 0] <= now[0] <= ends[number]:
+            falls = times[number, 0] <= now[0] <= ends[number]
+            if falls and (step % 6 == 0 or not tracks[number]):
                 tracks[number].append(seen[number])
-        if now[0] <= times[-1, 0]:
+        if now[0] <= times[-1, 0] and step % 2 == 0:
             tracks[judged].append(seen[-1])
     figure, (side, front) = plt.subplots(
         2, 1, figsize=(WIDTH_IN, 6.6), height_ratios=(4, 5), gridspec_kw={"hspace": 0.35}
