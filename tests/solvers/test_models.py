@@ -83,7 +83,7 @@ def test_hand_made(start):
     assert result.sequence == OPTIMAL_PLAN
 
 
-@over_seeds(range(24), gate=4)
+@over_seeds(range(24), gate=3)
 def test_random_missions(seed):
     """With zones, unequal and non-integer prizes the methods equal brute force."""
     mission = random_mission(seed)
@@ -91,7 +91,7 @@ def test_random_missions(seed):
     assert has_proven(prove(mip, mission), mission, optimum)
 
 
-@over_seeds(range(12), gate=4)
+@over_seeds(range(12), gate=3)
 def test_reduced_networks(seed, monkeypatch):
     """With arcs removed by reduced costs, goal by goal, the methods still equal brute force."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 0)
@@ -102,7 +102,7 @@ def test_reduced_networks(seed, monkeypatch):
 
 
 @pytest.mark.parametrize("whole", [True, False])
-@over_seeds([*RARE, *range(40)], gate=9)
+@over_seeds([*RARE, *range(40)], gate=5)
 def test_missions_with_every_feature(whole, seed, monkeypatch):
     """With several stations or none, windows, ends, a start of its own and few targets, too."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 10**9 if whole else 0)
@@ -113,7 +113,7 @@ def test_missions_with_every_feature(whole, seed, monkeypatch):
 
 
 @all_methods
-@over_seeds(range(3000, 3060), gate=5)
+@over_seeds(range(3000, 3060), gate=3)
 def test_all_rules_at_random(method, seed):
     """On the missions that all planners and bounds are tried on, they equal enumeration, too."""
     mission = Mission(all_rules(seed), threads=1)
@@ -124,7 +124,7 @@ def test_all_rules_at_random(method, seed):
 
 
 @all_methods
-@over_seeds(range(100, 125), gate=6)
+@over_seeds(range(100, 125), gate=3)
 def test_limits_that_the_best_plan_just_meets(method, seed, monkeypatch):
     """Where rounding decides whether the best plan fits, enumeration decides the same."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 0 if seed % 2 else 1000)
