@@ -35,10 +35,10 @@ from solvers.walks.walks import WalkBound
 
 every_kind = over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(150), 8),
+    two_body=(random_mission, range(150), 10),
     j2=(drifting_mission, range(90), 5),
     given=(given_mission, range(80), 6),
-    visits=(visiting_field, range(120), 8),
+    visits=(visiting_field, range(120), 10),
 )
 every_kind_and_tows = over_kinds(
     "draw, seeds",
