@@ -32,6 +32,18 @@ def over_kinds(names: str, **kinds: tuple[Any, ...]) -> pytest.MarkDecorator:
     return pytest.mark.parametrize(names, cases)
 
 
+def first_of(values: Sequence[Any], *, gate: int) -> list[Any]:
+    """Values of one argument of a test: the first ones at the gate, the others with ``slow``.
+
+    Parameters
+    ----------
+    values : sequence
+    gate : int
+        Number of values at the gate.
+    """
+    return [*values[:gate], *(pytest.param(each, marks=pytest.mark.slow) for each in values[gate:])]
+
+
 def over_seeds(seeds: Sequence[Any], *, gate: int) -> Decorator:
     """Loop over seeds inside a test of one ``seed``.
 

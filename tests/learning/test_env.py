@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from random_rules import drifting_field
 from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
+from seeds import first_of
 from small_fields import SMALL, tiny
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
@@ -90,7 +91,7 @@ def _parts(observation: Any) -> list[Any]:
     return list(observation.values()) if isinstance(observation, dict) else [observation]
 
 
-@pytest.mark.parametrize("episodes", [10, pytest.param(40, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("episodes", first_of([10, 40], gate=1))
 @pytest.mark.parametrize("observation", OBSERVATIONS)
 def test_random_episodes_stay_in_their_space_and_count_what_check_counts(
     observation: str, episodes: int
