@@ -14,7 +14,7 @@ from calling import prove
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from random_rules import random_mission as all_rules
 from resonant_fields import resonant
-from seeds import over_seeds
+from seeds import first_of, over_seeds
 from small_missions import DAY_S, TINY, featured_mission, random_mission
 
 import adr_opt
@@ -30,9 +30,6 @@ from solvers.planners.mip import mip
 
 RARE = (5034, 5065, 5505)
 """Where prizes come close to what a required target is worth, and where staying is best."""
-
-AT_THE_GATE = 3
-"""Instances of the family, of which "tiny-006" takes as long as all others together."""
 
 all_methods = pytest.mark.parametrize("method", [mip, routing_bound])
 
@@ -58,13 +55,7 @@ def has_proven(result, mission, optimum):
     return True
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (number >= AT_THE_GATE))
-        for number, path in enumerate(TINY)
-    ],
-)
+@pytest.mark.parametrize("path", first_of(TINY, gate=2), ids=lambda path: path.stem)
 def test_tiny_family(path):
     """On every committed tiny instance the optimum is proven, with and without a start plan."""
     mission = Mission(adr_opt.load(path), threads=1)

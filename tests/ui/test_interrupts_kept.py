@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 from conftest import Cli
 from interruptible import CHILD
+from seeds import first_of
 from terminals import read_until
 
 import adr_opt
@@ -119,12 +120,7 @@ sys.meta_path.insert(0, Finder)
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        "click",
-        "adr_opt.ui.cli.check",
-        *(pytest.param(each, marks=pytest.mark.slow) for each in ("numba", "pydantic", "llvmlite")),
-    ],
+    "name", first_of(["click", "adr_opt.ui.cli.check", "numba", "pydantic", "llvmlite"], gate=2)
 )
 def test_interrupted_while_packages_are_imported(tiny_file: Path, name: str) -> None:
     """From the first import on it ends the process with 130 and a word."""
