@@ -125,7 +125,9 @@ def integrated(radius, eccentricity, inclination, revolutions, samples):
     return times, solved.y
 
 
-@pytest.mark.parametrize("inclination_deg", first_of(INCLINATIONS_DEG, gate=4))
+@pytest.mark.parametrize(
+    "inclination_deg", first_of([20.0, 71.0, 98.0, 165.0, 51.6, 90.0, 120.0], gate=4)
+)
 def test_circles_drift_as_integrated_motion_does(inclination_deg):
     """Averaged over revolutions, node and latitude advance at the rates of the averaged orbit.
 
