@@ -91,7 +91,7 @@ def _parts(observation: Any) -> list[Any]:
     return list(observation.values()) if isinstance(observation, dict) else [observation]
 
 
-@pytest.mark.parametrize("episodes", first_of([10, 40], gate=1))
+@pytest.mark.parametrize("episodes", first_of([20, 40], gate=1))
 @pytest.mark.parametrize("observation", OBSERVATIONS)
 def test_random_episodes_stay_in_their_space_and_count_what_check_counts(
     observation: str, episodes: int
