@@ -54,6 +54,7 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
         "scenario",
         "fly",
         "refine",
+        "screen",
         "matrix",
         "export",
         "report",
