@@ -596,9 +596,10 @@ def visiting_hurried(seed: int) -> Instance:
 
 
 def rounding_mission(seed: int) -> Instance:
-    """A mission of hours or days whose targets are approached on safety ellipses."""
+    """A mission of a day or two whose targets are approached on safety ellipses."""
     rng = np.random.default_rng([4, seed])
     instance = (random_mission, drifting_mission)[seed % 2](seed)
+    instance = instance.with_limits(duration_s=2.5 * instance.mission.duration_s)
     transfer = instance.transfer.replace(
         approach="safety-ellipse",
         keep_out_m=float(rng.uniform(50.0, 600.0)),
