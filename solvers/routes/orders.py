@@ -161,8 +161,8 @@ def is_possible(ways, order, length):
 
 
 @kernel
-def best_position(ways, terms, order, length, j, passed_over, rng):
-    """The position at which a target delays what follows least.
+def best_position(ways, terms, order, length, j, by_slack, passed_over, rng):
+    """The position at which a target delays what follows least, or leaves it most time.
 
     Parameters
     ----------
@@ -172,6 +172,8 @@ def best_position(ways, terms, order, length, j, passed_over, rng):
     length : int
         Number of stops.
     j : int
+    by_slack : bool
+        Whether the time that is left counts in place of the delay.
     passed_over : float
         Probability that a position is not looked at.
     rng : numpy.random.Generator
@@ -181,7 +183,8 @@ def best_position(ways, terms, order, length, j, passed_over, rng):
     position, chaser : int
         −1 if it fits nowhere.
     delay, second : float
-        By how much later the next stop is done, and the same at the next best position [s].
+        By how much later the next stop is done, less the time that it had if that counts, and the
+        same at the next best position [s].
     """
     nodes, early, late = order.nodes, order.early, order.late
     best, whose, least, second, chaser = -1, -1, math.inf, math.inf, -1
@@ -209,7 +212,8 @@ def best_position(ways, terms, order, length, j, passed_over, rng):
         more = cost_of(ways, i, j) + cost_of(ways, j, k) - cost_of(ways, i, k)
         if order.spent[chaser] + more > terms.budget[chaser]:
             continue
-        delay = after - min(early[k], late[k]) + TIME_SPENT * (end - early[i])
+        before = late[k] if by_slack else min(early[k], late[k])
+        delay = after - before + TIME_SPENT * (end - early[i])
         if delay < least:
             best, whose, least, second = p, chaser, delay, least
         elif delay < second:

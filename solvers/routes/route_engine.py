@@ -5,7 +5,7 @@ It needs no timetable: only what :mod:`.ways` tells of given connections and fun
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from copy import copy
 
 import numpy as np
@@ -22,8 +22,9 @@ from .ways import ways_of
 
 IntArray = npt.NDArray[np.int64]
 
-WORK = 50_000
-"""Iterations of the first round, divided by the number of targets."""
+EACH, WORK = 50, 50_000
+"""Iterations of the first round: so many for each target, and at most so many divided by their
+number."""
 
 LONGER = 1.6
 """Factor from round to round."""
@@ -35,7 +36,7 @@ HOT, COLD = 1.0, 0.01
 """First and last temperature while targets are missing, in mean prizes."""
 
 HOT_COST, COLD_COST = 1.0, 0.02
-"""The same once none is, in mean costs from target to target."""
+"""The same once none is, in mean costs of a target."""
 
 HEATS = 1.0, 0.3, 3.0
 """Factors of the temperatures, round by round."""
@@ -119,20 +120,19 @@ class RouteEngine:
         self._length = len(nodes)
         self._nodes = np.array([*nodes, *sorted(wanted - set(nodes))], dtype=np.int64)
 
-    def rounds(self, count: int) -> Iterator[Routes]:
-        """The best routes of some rounds, each longer than the one before."""
-        for _ in range(count):
-            work = LONGER**self._rounds * WORK / max(self._targets.size, 1)
-            heat = HEATS[self._rounds % len(HEATS)]
-            self._rounds += 1
-            yield self.anneal(int(min(work, MOST_WORK)) + 1, heat)
+    def advance(self) -> Routes:
+        """The best routes of the next round, which is longer than the one before."""
+        targets = max(self._targets.size, 1)
+        work = LONGER**self._rounds * min(EACH * targets, WORK / targets)
+        heat = HEATS[self._rounds % len(HEATS)]
+        self._rounds += 1
+        return self.anneal(int(min(work, MOST_WORK)) + 1, heat)
 
     def anneal(self, iterations: int, heat: float = 1.0) -> Routes:
         """Anneal the order from hot to cold; returns the best routes met."""
         visited = self._length - 2 * len(self._problem.missions)
         collected = float(self._prize[self._nodes[: self._length] % self._ways.bodies].sum())
         duration = float(self._ways.closes.max() - self._ways.opens.min())
-        pace = self._pace if self._terms.by_time else 1.0
         with halted_by(self._stop) as halt:
             best, _, _, self._length, done = anneal(
                 self._ways,
@@ -145,8 +145,8 @@ class RouteEngine:
                     iterations,
                     heat * HOT * self._mean,
                     COLD * self._mean,
-                    heat * HOT_COST * pace,
-                    COLD_COST * pace,
+                    heat * HOT_COST,
+                    COLD_COST,
                     TIME_COUNTS * max(collected, self._mean) / max(duration, 1.0),
                     SPARE,
                     self._pace,

@@ -71,7 +71,7 @@ class Cooling(NamedTuple):
     hot, cold : float
         First and last temperature while targets are missing [prizes].
     hot_cost, cold_cost : float
-        The same once none is [s or m/s].
+        The same once none is, in mean costs of a target.
     worth : float
         Of a second of mean slack while targets are missing [prizes per s].
     spare : float
@@ -184,10 +184,12 @@ def _draw_missing(ways, terms, order, length, absent, rng):
 
 
 @kernel
-def _insert_in_turn(ways, terms, order, length, absent, deadline, rng):
+def _insert_in_turn(ways, terms, order, length, absent, deadline, by_slack, rng):
     """Insert missing targets in an order that is drawn; returns the number of stops."""
     for j in _draw_missing(ways, terms, order, length, absent, rng):
-        position, chaser, _, _ = best_position(ways, terms, order, length, j, PASSED_OVER, rng)
+        position, chaser, _, _ = best_position(
+            ways, terms, order, length, j, by_slack, PASSED_OVER, rng
+        )
         if position >= 0:
             insert(ways, order, length, j, position, chaser, deadline)
             length += 1
@@ -205,7 +207,7 @@ def _insert_best(ways, terms, order, length, absent, deadline, pace, rng):
         for m in range(left):
             j = drawn[m]
             position, chaser, delay, second = best_position(
-                ways, terms, order, length, j, 0.0, rng
+                ways, terms, order, length, j, False, 0.0, rng
             )
             if position < 0:
                 continue
@@ -276,6 +278,15 @@ def _value(ways, terms, order, length, cooling, full):
 
 
 @kernel
+def _remember(ways, order, length, absent):
+    """Remember which targets are missing."""
+    for p in range(order.nodes.size):
+        j = order.nodes[p]
+        if j < ways.bodies:
+            absent[j] = PATIENCE * absent[j] + (1.0 - PATIENCE) * (p >= length)
+
+
+@kernel
 def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):
     """Improve an order.
 
@@ -307,7 +318,7 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):
         Iterations.
     """
     ways, terms, near = borrowed(ways), borrowed(terms), borrowed(near)
-    chasers = terms.budget.size
+    chasers, targets = terms.budget.size, nodes.size - 2 * terms.budget.size
     here, there = new_order(ways, nodes, chasers), new_order(ways, nodes, chasers)
     # An order that is not possible loses its last targets.
     while True:
@@ -329,7 +340,9 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):
     best, best_prize = here.nodes[:length].copy(), _prize(ways, terms, here, length)
     best_cost, cost = cost_of_all(ways, terms, here, length), 0.0
     deadline, later, since, iteration = math.inf, 0.0, RENEWED, 0
-    cost = best_cost
+    cost, since_s = best_cost, 0.0
+    if terms.by_time:
+        since_s = ways.opens[ways.bodies]
     copy_order(here, there)
     while iteration < cooling.iterations and not halt[0]:
         share = iteration / cooling.iterations
@@ -337,7 +350,7 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):
         if full and since > RENEWED:
             since = 0
             later = -cooling.hot_cost * (cooling.cold_cost / cooling.hot_cost) ** share
-            later *= math.log(1.0 - rng.random())
+            later *= math.log(1.0 - rng.random()) * (best_cost - since_s) / targets
             deadline = cost + MORE * later if terms.by_time else math.inf
             time_back(ways, here, length - 1, -1, deadline)
             copy_order(here, there)
@@ -347,8 +360,8 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):
         time_back(ways, there, min(last, size - 1), first - 1, deadline)
         taken, all_in, new = False, False, value
         if is_possible(ways, there, size):
-            if rng.random() < ONE_BY_ONE:
-                size = _insert_in_turn(ways, terms, there, size, absent, deadline, rng)
+            if full or rng.random() < ONE_BY_ONE:
+                size = _insert_in_turn(ways, terms, there, size, absent, deadline, full, rng)
             else:
                 size = _insert_best(
                     ways, terms, there, size, absent, deadline, cooling.pace, rng
@@ -360,6 +373,8 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):
                     later = -cooling.hot * (cooling.cold / cooling.hot) ** share
                     later *= math.log(1.0 - rng.random())
                 taken = (all_in and not full) or new >= value - later
+        if full:
+            _remember(ways, there, size, absent)
         if taken:
             length, value = size, new
             prize, cost = _prize(ways, terms, there, size), cost_of_all(ways, terms, there, size)
@@ -371,10 +386,7 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):
         else:
             copy_order(here, there)
         if not full:
-            for p in range(nodes.size):
-                j = here.nodes[p]
-                if j < ways.bodies:
-                    absent[j] = PATIENCE * absent[j] + (1.0 - PATIENCE) * (p >= length)
+            _remember(ways, here, length, absent)
         iteration += 1
     write(nodes, here.nodes)
     return best, best_prize, best_cost, length, iteration
