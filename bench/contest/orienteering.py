@@ -84,7 +84,7 @@ def draw(kind: str, seed: int, places: int = 100) -> Places:
 
 
 def instance_of(places: Places, chasers: int = 1) -> Instance:
-    """The mission of some chasers; a connection holds the service at its origin and leaves as that begins."""
+    """The mission; a connection holds the service at its origin and leaves as that begins."""
     count = places.prize.size
     names = ["begin", "end", *(f"place-{place:03d}" for place in range(1, count))]
     rows: list[tuple[IntArray, ...]] = []
@@ -158,7 +158,7 @@ def collected(places: Places, tour: Sequence[int]) -> int:
 
 
 def by_pyvrp(places: Places, time_limit_s: float, seed: int = 0, chasers: int = 1) -> int:
-    """Prizes that PyVRP collects: a vehicle for each chaser, optional clients, a prize above any distance.
+    """Prizes that PyVRP collects: optional clients, a prize above any distance.
 
     Raises
     ------

@@ -22,7 +22,7 @@ from ..progress.proof_size import fits_memory, proof_notes, set_up_s, sweep_s
 from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentProof
 from ..proof.least_end import prove_end
 from ..proof.proof import ProofOptions
-from ..routes.engine_rounds import FRUITLESS, MOST_ROUNDS, EngineRounds
+from ..routes.engine_rounds import EngineRounds
 from ..routes.one_chaser import FloatArray
 from ..routes.route_pool import RoutePool
 from ..routes.route_search import RouteSearch
@@ -120,7 +120,7 @@ class _Search:
         if self._engine.serves:
             self._certificate.offer(*(start or ()))
             if self._certificate.routes is None:
-                self._engine.until(FRUITLESS, MOST_ROUNDS)
+                self._engine.at_first()
             self.routes.begin_again()
             return
         self.routes.begin(start)

@@ -26,7 +26,7 @@ from ..progress.proof_size import proof_notes
 from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentProof
 from ..proof.large_proof import LargeProof
 from ..proof.proof import Proof, ProofOptions, proof_of
-from ..routes.engine_rounds import FRUITLESS, MOST_ROUNDS, EngineRounds
+from ..routes.engine_rounds import EngineRounds
 from ..walks.latest_times import Latest
 from .options import AutoOptions
 from .rounds import Task, run
@@ -82,12 +82,7 @@ class RouteSearches:
     """
 
     def __init__(
-        self,
-        mission: Mission,
-        seed: int,
-        stop: Stop,
-        certificate: GapTracker,
-        engine: EngineRounds,
+        self, mission: Mission, seed: int, stop: Stop, certificate: GapTracker, engine: EngineRounds
     ) -> None:
         self._engine = engine
         self._mission = mission
@@ -147,7 +142,7 @@ class RouteSearches:
             prover.deliver()
         if self._engine.serves:
             if self._certificate.routes is None:
-                self._engine.until(FRUITLESS, MOST_ROUNDS)
+                self._engine.at_first()
             return
         for width in pilots(self._mission):
             if not is_over():

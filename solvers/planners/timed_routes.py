@@ -21,7 +21,7 @@ from adr_opt.mission.result import Result
 from ..progress.gap import GapTracker
 from ..progress.halting import ShareOfTime
 from ..proof.proof import ProofOptions
-from ..routes.engine_rounds import FRUITLESS, MOST_ROUNDS, EngineRounds
+from ..routes.engine_rounds import EngineRounds
 from ..timed_tours.earliest_end import LABEL_BYTES, EarliestEnd
 from ..timed_tours.orienteering import Orienteering
 from ..timed_tours.tour import MOST_TARGETS, TimedTour, sequence_of, tour_of
@@ -64,7 +64,7 @@ def plan(
     if start is not None:
         certificate.offer(*start)
     searching = EngineRounds(problem, certificate, seed, stop, options.cores)
-    searching.until(FRUITLESS, MOST_ROUNDS)
+    searching.at_first()
     mission, cost_bound, counters = problem.alone, None, {"labels": 0}
     proves = mission is not None and len(mission.instance.targets) <= MOST_TARGETS
     if mission is not None and proves:
@@ -117,9 +117,7 @@ class _Proof:
         mission, certificate = self._mission, self._certificate
         every = mission.total_worth
         known_s = certificate.cost if certificate.incumbent >= every else np.inf
-        search = EarliestEnd(
-            tour, self._over, jobs=jobs, most_labels=self._room, known_s=known_s
-        )
+        search = EarliestEnd(tour, self._over, jobs=jobs, most_labels=self._room, known_s=known_s)
         offered: object = None
         for _ in search.rounds():
             if search.order is not None and search.order is not offered:

@@ -16,7 +16,7 @@ from .route_engine import RouteEngine
 from .ways import serves
 
 FRUITLESS, MOST_ROUNDS = 3, 6
-"""Rounds without a gain after which the engine is interrupted for other work, and rounds at most."""
+"""Rounds without a gain after which the engine first pauses for other work, and at most."""
 
 BEFORE_TABLE = 0.4
 """Most of the remaining time that goes to the first plan."""
@@ -59,6 +59,10 @@ class EngineRounds:
             self._engines = (first, first.beside(seeds[1]))
         self.counters = {"rounds": 0, "iterations": 0}
 
+    def at_first(self) -> None:
+        """The rounds before any other work: a fixed number, if there is time."""
+        self.until(FRUITLESS, MOST_ROUNDS)
+
     def until(self, fruitless: int = 0, most: int = 0) -> None:
         """Go on until there is no time left, or no gain for some rounds; 0 for any number."""
         certificate, stop, idle, made = self._certificate, self._stop, 0, 0
@@ -87,5 +91,5 @@ def first_routes(problem: Problem, *, seed: int, stop: Stop, progress: Progress)
     if not serves(problem):
         return None
     certificate, within = GapTracker(problem, progress), ShareOfTime(stop, BEFORE_TABLE)
-    EngineRounds(problem, certificate, seed, Clock(within), 1).until(FRUITLESS, MOST_ROUNDS)
+    EngineRounds(problem, certificate, seed, Clock(within), 1).at_first()
     return certificate.routes

@@ -130,8 +130,8 @@ class RouteEngine:
 
     def anneal(self, iterations: int, heat: float = 1.0) -> Routes:
         """Anneal the order from hot to cold; returns the best routes met."""
-        visited = self._length - 2 * len(self._problem.missions)
-        collected = float(self._prize[self._nodes[: self._length] % self._ways.bodies].sum())
+        stops = self._nodes[: self._length]
+        collected = float(self._prize[stops[stops < self._ways.bodies]].sum())
         duration = float(self._ways.closes.max() - self._ways.opens.min())
         with halted_by(self._stop) as halt:
             best, _, _, self._length, done = anneal(

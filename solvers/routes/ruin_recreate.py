@@ -212,7 +212,9 @@ def _insert_best(ways, terms, order, length, absent, deadline, pace, rng):
             if position < 0:
                 continue
             gain = (0.8 + 0.4 * rng.random()) * terms.prize[j] ** power
-            gain *= min(second - delay, 10.0 * pace) if by_regret else 1.0 / (max(delay, 0.0) + pace)
+            gain *= (
+                min(second - delay, 10.0 * pace) if by_regret else 1.0 / (max(delay, 0.0) + pace)
+            )
             if gain > most:
                 best, most, where, whose = kept, gain, position, chaser
             drawn[kept] = j
@@ -287,7 +289,7 @@ def _remember(ways, order, length, absent):
 
 
 @kernel
-def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):
+def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):  # noqa: PLR0913
     """Improve an order.
 
     Parameters
@@ -363,9 +365,7 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):
             if full or rng.random() < ONE_BY_ONE:
                 size = _insert_in_turn(ways, terms, there, size, absent, deadline, full, rng)
             else:
-                size = _insert_best(
-                    ways, terms, there, size, absent, deadline, cooling.pace, rng
-                )
+                size = _insert_best(ways, terms, there, size, absent, deadline, cooling.pace, rng)
             all_in = size == nodes.size
             if is_possible(ways, there, size) and (all_in or not full):
                 new = _value(ways, terms, there, size, cooling, all_in)

@@ -190,8 +190,7 @@ def ways_of(problem: Problem) -> Ways:
     i, j = named[given.origin], named[given.destination]
     wanted = (i >= 0) & (j >= 0) & ((j >= begin) | np.isin(j, ends))
     pair, departure, arrival, paid = (
-        column[wanted]
-        for column in (i * bodies + j, given.departure, given.arrival, given.cost)
+        column[wanted] for column in (i * bodies + j, given.departure, given.arrival, given.cost)
     )
     cost = np.zeros(bodies**2)
     np.maximum.at(cost, pair, paid)
