@@ -151,17 +151,16 @@ def count_all(ways, order, length):
 
 
 @kernel
-def is_possible(ways, order, length):
+def is_possible(ways, order):
     """Whether all chasers end in time."""
-    for p in range(length):
-        node = order.nodes[p]
-        if is_end(ways, node) and not order.early[node] <= order.late[node]:
+    for end in range(ways.bodies + 1, ways.body.size, 2):
+        if not order.early[end] <= order.late[end]:
             return False
     return True
 
 
 @kernel
-def best_position(ways, terms, order, length, j, by_slack, passed_over, rng):
+def best_position(ways, terms, order, length, j, by_slack, compares, passed_over, rng):
     """The position at which a target delays what follows least, or leaves it most time.
 
     Parameters
@@ -174,6 +173,8 @@ def best_position(ways, terms, order, length, j, by_slack, passed_over, rng):
     j : int
     by_slack : bool
         Whether the time that is left counts in place of the delay.
+    compares : bool
+        Whether the next best position is asked for; else the second delay is none.
     passed_over : float
         Probability that a position is not looked at.
     rng : numpy.random.Generator
@@ -187,37 +188,40 @@ def best_position(ways, terms, order, length, j, by_slack, passed_over, rng):
         same at the next best position [s].
     """
     nodes, early, late = order.nodes, order.early, order.late
-    best, whose, least, second, chaser = -1, -1, math.inf, math.inf, -1
+    spent, count = order.spent, order.count
+    best, whose, least, second, known, chaser = -1, -1, math.inf, math.inf, math.inf, -1
     for p in range(length):
         k = nodes[p]
         if is_start(ways, k):
             chaser += 1
             continue
-        if order.count[chaser] >= terms.most[chaser]:
+        if count[chaser] >= terms.most[chaser]:
             continue
         if passed_over > 0.0 and rng.random() < passed_over:
             continue
         i = nodes[p - 1]
-        soonest = early[i] + ways.least[ways.body[i] * ways.bodies + j]
-        if not soonest <= ways.closes[j]:
-            continue
-        if k < ways.bodies and not soonest + ways.least[j * ways.bodies + k] <= late[k]:
+        before = late[k] if by_slack else min(early[k], late[k])
+        # No way is quicker than the least of its pair: most positions need no closer look.
+        onward = ways.least[j * ways.bodies + k] if k < ways.bodies else 0.0
+        latest = late[k] - onward
+        latest = min(latest, min(before + known - onward, ways.closes[j]))
+        if not early[i] + ways.least[ways.body[i] * ways.bodies + j] <= latest:
             continue
         end = arrives(ways, i, j, early[i])
-        if not end <= ways.closes[j]:
+        if not end <= latest:
             continue
         after = arrives(ways, j, k, end)
         if not after <= late[k]:
             continue
         more = cost_of(ways, i, j) + cost_of(ways, j, k) - cost_of(ways, i, k)
-        if order.spent[chaser] + more > terms.budget[chaser]:
+        if spent[chaser] + more > terms.budget[chaser]:
             continue
-        before = late[k] if by_slack else min(early[k], late[k])
         delay = after - before + TIME_SPENT * (end - early[i])
         if delay < least:
             best, whose, least, second = p, chaser, delay, least
         elif delay < second:
             second = delay
+        known = second if compares else least
     return best, whose, least, second
 
 

@@ -26,10 +26,11 @@ from adr_opt.kernels.core.memory import borrowed, write
 from .orders import (
     best_position,
     copy_order,
+    cost_of,
     count_all,
     insert,
-    is_end,
     is_possible,
+    is_start,
     new_order,
     time_back,
     time_forth,
@@ -54,6 +55,9 @@ BY_REGRET = 0.2
 
 PATIENCE = 0.99
 """Factor per iteration on the memory of missing targets."""
+
+SELDOM = 0.003
+"""Share of the iterations in which a target counts as missing that never is."""
 
 RENEWED = 20
 """Iterations after which another deadline is drawn, if no order was accepted before."""
@@ -116,8 +120,8 @@ def _mark_strings(ways, order, length, near, rng, out):
 
 
 @kernel
-def ruin(ways, terms, order, length, near, rng):
-    """Take targets out of an order.
+def ruin(ways, terms, order, length, near, full, rng):
+    """Take targets out of an order; only some strings once it is ``full``.
 
     Returns
     -------
@@ -129,7 +133,7 @@ def ruin(ways, terms, order, length, near, rng):
     out = np.zeros(length, np.bool_)
     visited = length - 2 * order.count.size
     way = rng.random()
-    if way < STRINGS:
+    if full or way < STRINGS:
         _mark_strings(ways, order, length, near, rng, out)
     elif way < ONE_STRING:
         size = min(1 + rng.integers(0, max(1, min(visited, 10 * LONGEST_STRING) // 2)), length)
@@ -149,10 +153,14 @@ def ruin(ways, terms, order, length, near, rng):
         for m in range(min(visited, rng.integers(1, 2 * LONGEST_STRING))):
             out[ranks[m]] = True
     taken = np.empty(length, np.int64)
-    size, first, last, missing = 0, length, 0, 0
+    size, first, last, missing, chaser = 0, length, 0, 0, -1
     for p in range(length):
+        chaser += is_start(ways, nodes[p])
         if out[p] and nodes[p] < bodies:
             first, last = min(first, size), size
+            i, j, k = nodes[size - 1], nodes[p], nodes[p + 1]
+            order.spent[chaser] += cost_of(ways, i, k) - cost_of(ways, i, j) - cost_of(ways, j, k)
+            order.count[chaser] -= 1
             taken[missing] = nodes[p]
             missing += 1
         else:
@@ -164,7 +172,7 @@ def ruin(ways, terms, order, length, near, rng):
 
 
 @kernel
-def _draw_missing(ways, terms, order, length, absent, rng):
+def _draw_missing(ways, terms, order, length, absent, by_need, rng):
     """Missing targets in the order in which they are to be inserted, as far as they are tried."""
     missing = order.nodes.size - length
     keys, way = np.empty(missing), rng.random()
@@ -174,6 +182,8 @@ def _draw_missing(ways, terms, order, length, absent, rng):
             keys[m] = drawn
         elif way < 0.5:
             keys[m] = drawn - absent[j]
+        elif by_need:
+            keys[m] = -drawn * (absent[j] + SELDOM)
         else:
             keys[m] = -terms.prize[j] * (0.3 + drawn)
     ranks = rising(keys, missing)
@@ -186,9 +196,9 @@ def _draw_missing(ways, terms, order, length, absent, rng):
 @kernel
 def _insert_in_turn(ways, terms, order, length, absent, deadline, by_slack, rng):
     """Insert missing targets in an order that is drawn; returns the number of stops."""
-    for j in _draw_missing(ways, terms, order, length, absent, rng):
+    for j in _draw_missing(ways, terms, order, length, absent, by_slack, rng):
         position, chaser, _, _ = best_position(
-            ways, terms, order, length, j, by_slack, PASSED_OVER, rng
+            ways, terms, order, length, j, by_slack, False, PASSED_OVER, rng
         )
         if position >= 0:
             insert(ways, order, length, j, position, chaser, deadline)
@@ -199,7 +209,7 @@ def _insert_in_turn(ways, terms, order, length, absent, deadline, by_slack, rng)
 @kernel
 def _insert_best(ways, terms, order, length, absent, deadline, pace, rng):
     """Insert the best missing target again and again; returns the number of stops."""
-    drawn = _draw_missing(ways, terms, order, length, absent, rng)
+    drawn = _draw_missing(ways, terms, order, length, absent, False, rng)
     left = min(drawn.size, MOST_COMPARED)
     by_regret, power = rng.random() < BY_REGRET, 1.0 + rng.random()
     while left > 0:
@@ -207,7 +217,7 @@ def _insert_best(ways, terms, order, length, absent, deadline, pace, rng):
         for m in range(left):
             j = drawn[m]
             position, chaser, delay, second = best_position(
-                ways, terms, order, length, j, False, 0.0, rng
+                ways, terms, order, length, j, False, by_regret, 0.0, rng
             )
             if position < 0:
                 continue
@@ -239,18 +249,16 @@ def _prize(ways, terms, order, length):
 
 
 @kernel
-def cost_of_all(ways, terms, order, length):
+def cost_of_all(ways, terms, order):
     """Cost of all routes [s or m/s]; what chasers cost that visit nobody does not count."""
-    total, chaser = 0.0, 0
-    for p in range(length):
-        node = order.nodes[p]
-        if is_end(ways, node):
-            end = order.early[node]
-            if order.count[chaser] and terms.by_time:
-                total = max(total, end)
-            elif order.count[chaser]:
-                total += order.spent[chaser] + terms.price * (end - ways.opens[node - 1])
-            chaser += 1
+    total = 0.0
+    for chaser in range(terms.budget.size):
+        start = ways.bodies + 2 * chaser
+        end = order.early[start + 1]
+        if order.count[chaser] and terms.by_time:
+            total = max(total, end)
+        elif order.count[chaser]:
+            total += order.spent[chaser] + terms.price * (end - ways.opens[start])
     return total
 
 
@@ -272,7 +280,7 @@ def _value(ways, terms, order, length, cooling, full):
     if not full:
         slack = cooling.worth * _slack(ways, order, length)
         return _prize(ways, terms, order, length) + slack
-    cost = cost_of_all(ways, terms, order, length)
+    cost = cost_of_all(ways, terms, order)
     if not terms.by_time:
         return -cost
     time_back(ways, order, length - 1, -1, cost)
@@ -280,12 +288,13 @@ def _value(ways, terms, order, length, cooling, full):
 
 
 @kernel
-def _remember(ways, order, length, absent):
-    """Remember which targets are missing."""
-    for p in range(order.nodes.size):
+def _remember(ways, order, length, full, absent):
+    """Remember which targets are missing, with patience; once all were in, how often each was."""
+    for p in range(length if full else 0, order.nodes.size):
         j = order.nodes[p]
         if j < ways.bodies:
-            absent[j] = PATIENCE * absent[j] + (1.0 - PATIENCE) * (p >= length)
+            kept = 1.0 if full else PATIENCE
+            absent[j] = kept * absent[j] + (1.0 - PATIENCE) * (p >= length)
 
 
 @kernel
@@ -319,9 +328,17 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):  # noq
     done : int
         Iterations.
     """
-    ways, terms, near = borrowed(ways), borrowed(terms), borrowed(near)
-    chasers, targets = terms.budget.size, nodes.size - 2 * terms.budget.size
+    chasers = terms.budget.size
     here, there = new_order(ways, nodes, chasers), new_order(ways, nodes, chasers)
+    return _anneal(ways, terms, here, there, length, near, absent, cooling, rng, halt, nodes)
+
+
+@kernel
+def _anneal(ways, terms, here, there, length, near, absent, cooling, rng, halt, nodes):  # noqa: PLR0913
+    """The same in lent memory; the second order is written first."""
+    ways, terms, near, absent = borrowed(ways), borrowed(terms), borrowed(near), borrowed(absent)
+    here, there = borrowed(here), borrowed(there)
+    targets = nodes.size - 2 * terms.budget.size
     # An order that is not possible loses its last targets.
     while True:
         time_back(ways, here, length - 1, -1, math.inf)
@@ -330,7 +347,7 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):  # noq
         p = length - 1
         while p >= 0 and (here.nodes[p] >= ways.bodies):
             p -= 1
-        if p < 0 or (is_possible(ways, here, length) and _is_within(terms, here)):
+        if p < 0 or (is_possible(ways, here) and _is_within(terms, here)):
             break
         late = here.nodes[p]
         for q in range(p, length - 1):
@@ -340,7 +357,7 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):  # noq
     full = length == nodes.size
     value = _value(ways, terms, here, length, cooling, full)
     best, best_prize = here.nodes[:length].copy(), _prize(ways, terms, here, length)
-    best_cost, cost = cost_of_all(ways, terms, here, length), 0.0
+    best_cost, cost = cost_of_all(ways, terms, here), 0.0
     deadline, later, since, iteration = math.inf, 0.0, RENEWED, 0
     cost, since_s = best_cost, 0.0
     if terms.by_time:
@@ -356,28 +373,27 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):  # noq
             deadline = cost + MORE * later if terms.by_time else math.inf
             time_back(ways, here, length - 1, -1, deadline)
             copy_order(here, there)
-        size, first, last = ruin(ways, terms, there, length, near, rng)
-        count_all(ways, there, size)
+        size, first, last = ruin(ways, terms, there, length, near, full, rng)
         time_forth(ways, there, first, size, last)
         time_back(ways, there, min(last, size - 1), first - 1, deadline)
         taken, all_in, new = False, False, value
-        if is_possible(ways, there, size):
+        if is_possible(ways, there):
             if full or rng.random() < ONE_BY_ONE:
                 size = _insert_in_turn(ways, terms, there, size, absent, deadline, full, rng)
             else:
                 size = _insert_best(ways, terms, there, size, absent, deadline, cooling.pace, rng)
             all_in = size == nodes.size
-            if is_possible(ways, there, size) and (all_in or not full):
+            if is_possible(ways, there) and (all_in or not full):
                 new = _value(ways, terms, there, size, cooling, all_in)
                 if not full:
                     later = -cooling.hot * (cooling.cold / cooling.hot) ** share
                     later *= math.log(1.0 - rng.random())
                 taken = (all_in and not full) or new >= value - later
         if full:
-            _remember(ways, there, size, absent)
+            _remember(ways, there, size, True, absent)
         if taken:
             length, value = size, new
-            prize, cost = _prize(ways, terms, there, size), cost_of_all(ways, terms, there, size)
+            prize, cost = _prize(ways, terms, there, size), cost_of_all(ways, terms, there)
             if all_in:
                 full, since = True, RENEWED
             copy_order(there, here)
@@ -386,7 +402,7 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):  # noq
         else:
             copy_order(here, there)
         if not full:
-            _remember(ways, here, length, absent)
+            _remember(ways, here, length, False, absent)
         iteration += 1
     write(nodes, here.nodes)
     return best, best_prize, best_cost, length, iteration
