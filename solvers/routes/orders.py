@@ -30,7 +30,7 @@ class Order(NamedTuple):
         Earliest end of the service at each node, and the latest for all that follow [s].
     spent : (chasers,) float64
         What the legs of each cost [m/s].
-    count : (chasers,) int64
+    visited : (chasers,) int64
         Number of targets of each.
     """
 
@@ -38,7 +38,7 @@ class Order(NamedTuple):
     early: np.ndarray
     late: np.ndarray
     spent: np.ndarray
-    count: np.ndarray
+    visited: np.ndarray
 
 
 class Terms(NamedTuple):
@@ -86,7 +86,7 @@ def copy_order(source, destination):
         destination.late[node] = source.late[node]
     for c in range(source.spent.size):
         destination.spent[c] = source.spent[c]
-        destination.count[c] = source.count[c]
+        destination.visited[c] = source.visited[c]
 
 
 @inlined
@@ -144,10 +144,10 @@ def count_all(ways, order, length):
         node = order.nodes[p]
         if is_start(ways, node):
             chaser += 1
-            order.spent[chaser], order.count[chaser] = 0.0, 0
+            order.spent[chaser], order.visited[chaser] = 0.0, 0
         else:
             order.spent[chaser] += cost_of(ways, order.nodes[p - 1], node)
-            order.count[chaser] += node < ways.bodies
+            order.visited[chaser] += node < ways.bodies
 
 
 @kernel
@@ -188,7 +188,7 @@ def best_position(ways, terms, order, length, j, by_slack, compares, passed_over
         same at the next best position [s].
     """
     nodes, early, late = order.nodes, order.early, order.late
-    spent, count = order.spent, order.count
+    spent, count = order.spent, order.visited
     best, whose, least, second, known, chaser = -1, -1, math.inf, math.inf, math.inf, -1
     for p in range(length):
         k = nodes[p]
@@ -197,8 +197,6 @@ def best_position(ways, terms, order, length, j, by_slack, compares, passed_over
             continue
         if count[chaser] >= terms.most[chaser]:
             continue
-        if passed_over > 0.0 and rng.random() < passed_over:
-            continue
         i = nodes[p - 1]
         before = late[k] if by_slack else min(early[k], late[k])
         # No way is quicker than the least of its pair: most positions need no closer look.
@@ -206,6 +204,8 @@ def best_position(ways, terms, order, length, j, by_slack, compares, passed_over
         latest = late[k] - onward
         latest = min(latest, min(before + known - onward, ways.closes[j]))
         if not early[i] + ways.least[ways.body[i] * ways.bodies + j] <= latest:
+            continue
+        if passed_over > 0.0 and rng.random() < passed_over:
             continue
         end = arrives(ways, i, j, early[i])
         if not end <= latest:
@@ -241,6 +241,6 @@ def insert(ways, order, length, j, position, chaser, deadline):
     nodes[position] = j
     i, k = nodes[position - 1], nodes[position + 1]
     order.spent[chaser] += cost_of(ways, i, j) + cost_of(ways, j, k) - cost_of(ways, i, k)
-    order.count[chaser] += 1
+    order.visited[chaser] += 1
     time_forth(ways, order, position, length + 1, position + 1)
     time_back(ways, order, position, position - 1, deadline)

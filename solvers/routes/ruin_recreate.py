@@ -101,7 +101,7 @@ def _mark_strings(ways, order, length, near, rng, out):
     for p in range(length):
         if nodes[p] < ways.bodies:
             place[nodes[p]] = p
-    targets = nodes.size - 2 * order.count.size
+    targets = nodes.size - 2 * order.visited.size
     at = rng.integers(0, targets)
     seed = near[0, at]
     wanted = rng.integers(1, MOST_STRINGS + 1)
@@ -131,7 +131,7 @@ def ruin(ways, terms, order, length, near, full, rng):
     """
     nodes, bodies = order.nodes, ways.bodies
     out = np.zeros(length, np.bool_)
-    visited = length - 2 * order.count.size
+    visited = length - 2 * order.visited.size
     way = rng.random()
     if full or way < STRINGS:
         _mark_strings(ways, order, length, near, rng, out)
@@ -160,7 +160,7 @@ def ruin(ways, terms, order, length, near, full, rng):
             first, last = min(first, size), size
             i, j, k = nodes[size - 1], nodes[p], nodes[p + 1]
             order.spent[chaser] += cost_of(ways, i, k) - cost_of(ways, i, j) - cost_of(ways, j, k)
-            order.count[chaser] -= 1
+            order.visited[chaser] -= 1
             taken[missing] = nodes[p]
             missing += 1
         else:
@@ -255,9 +255,9 @@ def cost_of_all(ways, terms, order):
     for chaser in range(terms.budget.size):
         start = ways.bodies + 2 * chaser
         end = order.early[start + 1]
-        if order.count[chaser] and terms.by_time:
+        if order.visited[chaser] and terms.by_time:
             total = max(total, end)
-        elif order.count[chaser]:
+        elif order.visited[chaser]:
             total += order.spent[chaser] + terms.price * (end - ways.opens[start])
     return total
 
@@ -412,6 +412,6 @@ def _anneal(ways, terms, here, there, length, near, absent, cooling, rng, halt, 
 def _is_within(terms, order):
     """Whether all chasers keep to their tanks and numbers of targets."""
     for c in range(terms.budget.size):
-        if order.spent[c] > terms.budget[c] or order.count[c] > terms.most[c]:
+        if order.spent[c] > terms.budget[c] or order.visited[c] > terms.most[c]:
             return False
     return True

@@ -189,9 +189,8 @@ def ways_of(problem: Problem) -> Ways:
     named = np.array([number.get(name, -1) for name in given.names], dtype=np.int64)
     i, j = named[given.origin], named[given.destination]
     wanted = (i >= 0) & (j >= 0) & ((j >= begin) | np.isin(j, ends))
-    pair, departure, arrival, paid = (
-        column[wanted] for column in (i * bodies + j, given.departure, given.arrival, given.cost)
-    )
+    pair, paid = (i * bodies + j)[wanted], given.cost[wanted]
+    departure, arrival = given.departure[wanted], given.arrival[wanted]
     cost = np.zeros(bodies**2)
     np.maximum.at(cost, pair, paid)
     for chaser, its in enumerate(limits):
