@@ -160,7 +160,7 @@ def is_possible(ways, order):
 
 
 @kernel
-def best_position(ways, terms, order, length, j, by_slack, compares, passed_over, rng):
+def best_position(ways, terms, order, length, j, by_slack, passed_over, rng):
     """The position at which a target delays what follows least, or leaves it most time.
 
     Parameters
@@ -173,10 +173,8 @@ def best_position(ways, terms, order, length, j, by_slack, compares, passed_over
     j : int
     by_slack : bool
         Whether the time that is left counts in place of the delay.
-    compares : bool
-        Whether the next best position is asked for; else the second delay is none.
     passed_over : float
-        Probability that a position is not looked at.
+        Probability that a position is not looked at; only if it is 0 a second one is asked for.
     rng : numpy.random.Generator
 
     Returns
@@ -221,7 +219,7 @@ def best_position(ways, terms, order, length, j, by_slack, compares, passed_over
             best, whose, least, second = p, chaser, delay, least
         elif delay < second:
             second = delay
-        known = second if compares else least
+        known = second if passed_over == 0.0 else least
     return best, whose, least, second
 
 

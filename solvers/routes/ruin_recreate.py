@@ -198,7 +198,7 @@ def _insert_in_turn(ways, terms, order, length, absent, deadline, by_slack, rng)
     """Insert missing targets in an order that is drawn; returns the number of stops."""
     for j in _draw_missing(ways, terms, order, length, absent, by_slack, rng):
         position, chaser, _, _ = best_position(
-            ways, terms, order, length, j, by_slack, False, PASSED_OVER, rng
+            ways, terms, order, length, j, by_slack, PASSED_OVER, rng
         )
         if position >= 0:
             insert(ways, order, length, j, position, chaser, deadline)
@@ -217,7 +217,7 @@ def _insert_best(ways, terms, order, length, absent, deadline, pace, rng):
         for m in range(left):
             j = drawn[m]
             position, chaser, delay, second = best_position(
-                ways, terms, order, length, j, False, by_regret, 0.0, rng
+                ways, terms, order, length, j, False, 0.0, rng
             )
             if position < 0:
                 continue

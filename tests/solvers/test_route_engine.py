@@ -14,6 +14,7 @@ from toy_roads import roads
 
 import adr_opt
 from adr_opt.common.stop import Interrupted
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.bodies import Target
 from adr_opt.problem.chasers import AtStation, Chaser, Tank
@@ -152,6 +153,45 @@ def test_several_chasers_share_the_targets(seed: int) -> None:
         assert result.plan is not None
         assert adr_opt.check(instance, result.plan) == ()
         assert result.plan.cost <= single.plan.cost
+
+
+def doable(mission: Mission) -> set[frozenset[int]]:
+    """All sets of targets that a chaser can service in some order."""
+    targets = range(mission.rules.first_target, len(mission.names))
+    found = set()
+    for size in range(len(targets) + 1):
+        for order in itertools.permutations(targets, size):
+            moves = mission.closed(order)
+            flown = mission.time(moves)
+            if mission.may_stop(moves) and flown.made == len(moves) and flown.cost < math.inf:
+                found.add(frozenset(order))
+    return found
+
+
+@over_seeds(range(100), gate=5)
+def test_two_chasers_collect_what_enumeration_does(seed: int) -> None:
+    """By functions of time, two chasers collect as much as the best of all pairs of routes."""
+    instance = timed_mission(seed)
+    (chaser,) = instance.chasers
+    both = instance.replace(chasers=(chaser, chaser.replace(name="second")))
+    problem = Problem(both)
+    if not serves(problem) or len(both.stations) > 1:
+        pytest.skip("a tank binds, or a station may help on the way")
+    problem.do_without()
+    sets = doable(problem.missions[0])
+    pairs = [one | other for one in sets for other in sets if not one & other]
+    result = adr_opt.solve(both, "auto", time_limit=20.0, iterations=3)
+    possible = [each for each in pairs if not problem.lacking(tuple(each))]
+    if not possible:
+        assert result.plan is None
+        return
+    assert adr_opt.check(both, result.plan) == ()
+    assert result.objective == pytest.approx(
+        max(
+            sum(instance.targets[j - instance.first_target].prize for j in each)
+            for each in possible
+        )
+    )
 
 
 def test_functions_of_time_have_no_limit_of_targets_or_chasers() -> None:
