@@ -138,7 +138,7 @@ def test_prizes_are_those_of_enumeration(seed: int) -> None:
         pytest.skip("a tank binds, a station may help on the way, or there is no plan")
     problem.do_without()
     routes = RouteEngine(problem, seed, Interrupted()).anneal(2000)
-    assert problem.collected(routes[0]) == pytest.approx(prizes)
+    assert problem.prizes(routes[0]) == pytest.approx(prizes)
     assert problem.missions[0].time(problem.closed(routes)[0]).cost < math.inf
 
 
