@@ -66,7 +66,7 @@ class Found:
 
     def case(self, number: int, data: bytes, judge: Callable[[], str]) -> None:
         """Judge a case; what it raises that is no `InputError` with one sentence is kept."""
-        began = time.monotonic()
+        began = time.process_time()
         try:
             self.counts[judge()] += 1
         except InputError as error:
@@ -76,7 +76,7 @@ class Found:
             self.counts["refused"] += 1
         except Exception:
             self.keep(number, data, traceback.format_exc(limit=-3))
-        if time.monotonic() - began > SLOWEST_S:
+        if time.process_time() - began > SLOWEST_S:
             self.keep(number, data, "too slow")
 
     def keep(self, number: int, data: bytes, said: str) -> None:
@@ -250,7 +250,7 @@ def missions() -> Iterator[tuple[str, adr_opt.Instance, str]]:
         0,
         targets=4,
         towed_kg=1400.0,
-        disposal_altitude_m=350e3,
+        disposal={"circle_m": 350e3},
         tank=TankByMass(dry_mass_kg=1000.0, propellant_kg=3000.0, isp_s=310.0),
     )
     for name, instance, method in (

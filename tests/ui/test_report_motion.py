@@ -23,9 +23,9 @@ from adr_opt.fly.trajectory.kepler import turned
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.instance import Instance
+from adr_opt.problem.sun import greenwich, sidereal_angle_rad, sidereal_rate_rad_s
 from adr_opt.ui.plot.strands import tracks
 from adr_opt.ui.report.motion import motion
-from adr_opt.ui.report.sun import greenwich, sidereal_angle_rad, sidereal_rate_rad_s
 
 DAY_S = 86400.0
 TURN = 2.0 * math.pi
@@ -223,14 +223,15 @@ def test_the_slider_moves_the_mission(tmp_path: Path) -> None:
         press(tab, "Home")
         assert tab.evaluate(NOW) == pytest.approx(begin, abs=0.1)
         tab.evaluate(
-            "window.pictures = 0; document.getElementById('speed').value = '60';"
+            "window.pictures = 0; window.began = performance.now();"
+            "document.getElementById('speed').value = '60';"
             "const slider = document.getElementById('time');"
             "new MutationObserver(() => { window.pictures += 1; })"
             ".observe(slider, { attributeFilter: ['aria-valuetext'] });"
         )
         press(tab, " ")
         tab.wait_for(f"{NOW} > {begin} + 100")
-        assert tab.evaluate("window.pictures") <= 5
+        assert tab.evaluate("window.pictures <= 2 + (performance.now() - window.began) / 1000")
         assert tab.evaluate("document.getElementById('play').getAttribute('aria-label')") == "pause"
         press(tab, " ")
         stopped = tab.evaluate(NOW)
