@@ -22,11 +22,19 @@ from adr_opt.kernels.legs.given import leg_of
 from adr_opt.legs.service_limits import limits_of
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.chasers import AtStation
-from adr_opt.problem.rules import CARGO, SUPPLIES, TOURS
-from adr_opt.problem.support import binding
+from adr_opt.problem.rules import FIRST
+from adr_opt.problem.support import follows_all
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+
+FOLLOWS = (FIRST - {"prizes that fall"}) | {
+    "several chasers",
+    "visits between refuellings",
+    "functions of time",
+    "functions of time for several chasers",
+}
+"""Rules that the engine follows; missions with others are left to other searches."""
 
 ROUNDED = 1e-14
 """Relative rounding of the inverse of a function, which must not make anyone late."""
@@ -157,7 +165,7 @@ def serves(problem: Problem) -> bool:
     instance, given = problem.instance, problem.instance.given
     if given is None or not instance.targets or problem.connecting.corrections:
         return False
-    if any(binding(instance, CARGO | SUPPLIES | TOURS | {"expense", "prizes that fall"})):
+    if not follows_all(instance, FOLLOWS):
         return False
     dearest = float(given.cost.max(initial=0.0))
     return all(
