@@ -14,6 +14,7 @@ import csv
 import math
 import sys
 from collections.abc import Callable
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from statistics import mean
@@ -213,9 +214,8 @@ def windows(
         name += f"-by-{chasers}" if chasers > 1 else ""
         if pyvrp:
             key = {"instance": name, "method": "pyvrp", "limit_s": pyvrp}
-            others = kept(
-                rows, key, lambda: {"prizes": float(by_pyvrp(one, pyvrp, chasers=chasers))}
-            )["prizes"]  # noqa: B023
+            theirs = partial(by_pyvrp, one, pyvrp, chasers=chasers)
+            others = kept(rows, key, lambda: {"prizes": float(theirs())})["prizes"]  # noqa: B023
             best[name] = max(best.get(name, 0.0), others)
             cells.append(f"{others:g}")
         for limit in limits:
