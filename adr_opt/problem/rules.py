@@ -316,7 +316,7 @@ RULES = {
         "see docs/campaigns.md, or leave it out",
     ),
     "functions of time for several chasers": Rule(
-        ("transfer.given.functions",), _functions_of_several, "plan by auto, or keep one chaser"
+        ("transfer.given.functions",), _functions_of_several, "keep one chaser"
     ),
     "functions of time beyond chasers without cargo": Rule(
         ("transfer.given.functions",),

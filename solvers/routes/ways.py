@@ -208,13 +208,13 @@ def ways_of(problem: Problem) -> Ways:
             departure, arrival = (
                 np.append(each, np.full(to.size, its.ready)) for each in (departure, arrival)
             )
-    end = service_ends(arrival, everybody.opens[pair % bodies], everybody.service[pair % bodies])
-    possible = end <= everybody.closes[pair % bodies]
-    pair, departure, arrival, end = (c[possible] for c in (pair, departure, arrival, end))
+    over = service_ends(arrival, everybody.opens[pair % bodies], everybody.service[pair % bodies])
+    possible = over <= everybody.closes[pair % bodies]
+    pair, departure, arrival, over = (c[possible] for c in (pair, departure, arrival, over))
     # Of those that leave together the first is the earliest: the others are dropped by it.
     order = np.lexsort((-arrival, departure, pair))
     kept = np.empty(order.size, dtype=np.bool_)
-    _sift(pair[order], departure[order], end[order], kept)
+    _sift(pair[order], departure[order], over[order], kept)
     order = order[kept]
     pair, departure, arrival = pair[order], departure[order], arrival[order]
     is_function = np.zeros(bodies**2, dtype=np.bool_)
