@@ -3,6 +3,7 @@
     python bench/peers.py fields --family nominal --count 4 --limit 10
     python bench/peers.py fields --family campaign --count 5 --limit 60
     python bench/peers.py windows --count 8 --limits 60 --pyvrp 20 --rows R/windows.jsonl
+    python bench/peers.py windows --count 3 --chasers 2 --limits 1 10 --pyvrp 10
 
 Needs ``pip install -e '.[peers]'``.
 """
@@ -13,6 +14,7 @@ import csv
 import math
 import sys
 from collections.abc import Callable
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from statistics import mean
@@ -165,15 +167,16 @@ def fields(
         print("\n† of the rounded model, no bound on the mission")
 
 
-def planned(places: Places, method: str, limit_s: float) -> dict[str, Any]:
-    """Plan a drawn instance within a limit; the plan is checked, and scored by the tour alone."""
-    instance = instance_of(places)
+def planned(places: Places, method: str, limit_s: float, chasers: int) -> dict[str, Any]:
+    """Plan a drawn instance within a limit; the plan is checked, and scored by the tours alone."""
+    instance = instance_of(places, chasers)
     result = adr_opt.solve(instance, method, time_limit=limit_s)
     prizes = 0.0
     if result.plan is not None:
         assert adr_opt.check(instance, result.plan) == ()
-        tour = [int(leg.destination[6:]) for leg in result.plan.legs if leg.destination[0] == "p"]
-        prizes = float(collected(places, tour))
+        for route in result.plan.routes:
+            tour = [int(leg.destination[6:]) for leg in route.legs if leg.destination[0] == "p"]
+            prizes += float(collected(places, tour))
         assert prizes == result.objective
     proven = result.status == "optimal"
     bound = result.upper_bound if math.isfinite(result.upper_bound) else None
@@ -187,6 +190,7 @@ def windows(
     limits: tuple[float, ...] = (60.0,),
     method: str = "auto",
     pyvrp: float | None = None,
+    chasers: int = 1,
     rows: Path | None = None,
     keep: Path = Path(__file__).parent / "curves" / "windows.csv",
 ) -> None:
@@ -207,14 +211,16 @@ def windows(
     for kind, seed in ((kind, seed) for kind in kinds for seed in range(count)):
         one = draw(kind, seed, places)
         name, cells = f"{one.name}-{places}", list[str]()
+        name += f"-by-{chasers}" if chasers > 1 else ""
         if pyvrp:
             key = {"instance": name, "method": "pyvrp", "limit_s": pyvrp}
-            others = kept(rows, key, lambda: {"prizes": float(by_pyvrp(one, pyvrp))})["prizes"]  # noqa: B023
+            theirs = partial(by_pyvrp, one, pyvrp, chasers=chasers)
+            others = kept(rows, key, lambda: {"prizes": float(theirs())})["prizes"]  # noqa: B023
             best[name] = max(best.get(name, 0.0), others)
             cells.append(f"{others:g}")
         for limit in limits:
             key = {"instance": name, "method": method, "limit_s": limit}
-            made = kept(rows, key, lambda: planned(one, method, limit))  # noqa: B023
+            made = kept(rows, key, lambda: planned(one, method, limit, chasers))  # noqa: B023
             found[limit].append((name, made))
             best[name] = max(best.get(name, 0.0), made["prizes"])
             bound = f"≤ {math.inf if made['bound'] is None else made['bound']:.0f}"

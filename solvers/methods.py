@@ -15,13 +15,17 @@ that do."""
 AUTO = MethodSpec(
     "auto",
     "solvers.planners.auto:auto",
-    follows=ON_A_TANK | CAMPAIGNS | TOURS | {"functions of time"},
+    follows=ON_A_TANK
+    | CAMPAIGNS
+    | TOURS
+    | {"functions of time", "functions of time for several chasers"},
     starts=True,
     uses_cores=True,
     shows_evidence=True,
     bounds_all_pairs=True,
     on_demand=True,
     orders_all=True,
+    begins="solvers.routes.engine_rounds:first_routes",
     practice=Practice(more="solvers.labels.practice:practise"),
 )
 

@@ -182,6 +182,11 @@ class Mission(Shown, Prizes):
         bodies = len(self.names)
         self.build(Pairs(np.arange(bodies), np.empty((bodies, 0), dtype=np.int32)), most=0)
 
+    def forget_table(self) -> None:
+        """Discard the timetable, which is built anew once it is needed."""
+        self._forget()
+        self.__dict__.pop("timetable", None)
+
     def _forget(self) -> None:
         """Discard everything derived from another timetable."""
         for name in ("rules", "has_transfer"):

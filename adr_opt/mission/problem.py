@@ -244,6 +244,11 @@ class Problem(Shown, Prizes):
         for mission in self.missions:
             mission.do_without()
 
+    def forget_tables(self) -> None:
+        """Discard the timetables, which are built anew once they are needed."""
+        for mission in self.missions:
+            mission.forget_table()
+
     def with_margin(self, margin: float) -> Problem:
         """The same problem with another reserved share of each tank; a built timetable stays."""
         if len(self.missions) == 1:

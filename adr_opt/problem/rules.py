@@ -153,10 +153,13 @@ def _beyond_tours(instance: Instance) -> str | None:
     return tour_obstacle(instance) if _is_of_tours(instance) else None
 
 
-def _functions_beyond_one(instance: Instance) -> bool:
-    return _has_functions(instance) and any(
-        RULES[word].binds(instance) for word in CAMPAIGNS | {"visits between refuellings"}
-    )
+def _functions_of_several(instance: Instance) -> bool:
+    return _has_functions(instance) and len(instance.chasers) > 1
+
+
+def _functions_with_cargo(instance: Instance) -> bool:
+    words = (CAMPAIGNS | {"visits between refuellings"}) - {"several chasers"}
+    return _has_functions(instance) and any(RULES[word].binds(instance) for word in words)
 
 
 def _falling_beyond_lists(instance: Instance) -> bool:
@@ -312,9 +315,12 @@ RULES = {
         _beyond_tours,
         "see docs/campaigns.md, or leave it out",
     ),
-    "functions of time beyond one chaser without cargo": Rule(
+    "functions of time for several chasers": Rule(
+        ("transfer.given.functions",), _functions_of_several, "keep one chaser"
+    ),
+    "functions of time beyond chasers without cargo": Rule(
         ("transfer.given.functions",),
-        _functions_beyond_one,
+        _functions_with_cargo,
         "give connections in place of functions",
     ),
     "prizes that fall beyond lists of connections": Rule(
@@ -371,7 +377,8 @@ TOURS = frozenset({"longest leg", "missions apart"})
 TOGETHER = frozenset(
     {
         "rules of tours beyond tours",
-        "functions of time beyond one chaser without cargo",
+        "functions of time for several chasers",
+        "functions of time beyond chasers without cargo",
         "prizes that fall beyond lists of connections",
     }
 )

@@ -23,6 +23,7 @@ from ..problem.instance import Instance
 from ..problem.least_time import too_short
 from . import by_masses
 from .method_call import is_tour, method_of, prepare, refuse_unable, spec_of, warm_up
+from .method_spec import named
 from .methods import BOUNDS, PLANNERS
 from .run_options import (
     DEFAULT_BOUND,
@@ -49,6 +50,10 @@ __all__ = [
     "spec_of",
     "warm_up",
 ]
+
+
+SHORT_S = 2.0
+"""Time that a timetable is not worth, if there is a plan without one [s]."""
 
 
 def solve(  # noqa: PLR0913
@@ -289,6 +294,10 @@ def _run(
     if drifts and not whole.has_timetable and not bare:
         _announce(whole.instance, sizing)
     criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
+    begun = None
+    if known.begins and start is None and not (bare or whole.has_timetable):
+        begun = _begun(whole, named(known.begins), wanted.seed, AnyOf(*criteria), progress)
+        bare = begun is not None and bound is None and criteria[0].remaining_s() < SHORT_S
     # Some methods look at all pairs by themselves: what they prove is proven of all.
     of_all = known.bounds_all_pairs
     hasty = of_all and group == BOUNDS and whole.alone is not None
@@ -311,6 +320,8 @@ def _run(
         return chosen.nothing(method, wanted.seed)
     if start is not None:
         prepared = prepared.beginning_from(whole, destinations, repair)
+    elif begun is not None:
+        prepared = replace(prepared, arguments={**prepared.arguments, "start": begun})
     if bound is None or prover is None or not chosen.all:
         planned = prepared(whole, AnyOf(*criteria, *limits[:1]), progress)
         return _beyond_the_model(whole, chosen.of_the_whole(planned, of_all=of_all))
@@ -319,6 +330,18 @@ def _run(
         proving = proving.beginning_from(whole, destinations, repair)
     result = together(whole, prepared, proving, AnyOf(*criteria), progress, limits)
     return _beyond_the_model(whole, result)
+
+
+def _begun(
+    problem: Problem, begins: Callable[..., Any], seed: int, stop: Stop, progress: Progress
+) -> Routes | None:
+    """The first routes of a problem without a timetable, by the function of a method."""
+    problem.do_without()
+    try:
+        found: Routes | None = begins(problem, seed=seed, stop=stop, progress=progress)
+    finally:
+        problem.forget_tables()
+    return found
 
 
 def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:

@@ -66,6 +66,9 @@ class MethodSpec:
     orders_all : bool
         Whether it needs no timetable where all targets are put in order
         (:attr:`adr_opt.mission.problem.Problem.asks_for_least_end`).
+    begins : str
+        ``module:function`` that gives the first routes of a problem before there is a timetable, or
+        none; it takes the problem, ``seed``, ``stop`` and ``progress``.
     table_options : tuple of str
         Options that, once set, make it need that table all the same.
     practice : Practice
@@ -80,6 +83,7 @@ class MethodSpec:
     bounds_all_pairs: bool = False
     on_demand: bool = False
     orders_all: bool = False
+    begins: str = ""
     table_options: tuple[str, ...] = ()
     practice: Practice = field(default_factory=Practice)
 

@@ -161,10 +161,10 @@ def may_work_on_demand(whole: Problem) -> bool:
 
 
 def may_go_without(whole: Problem) -> bool:
-    """Whether all targets are put in order and the timetable would be large."""
-    if whole.has_timetable or not whole.asks_for_least_end:
-        return False
-    return estimate(whole.instance).entries >= LARGE_ENTRIES
+    """Whether arrivals are functions, or all targets are put in order on a large timetable."""
+    if whole.has_timetable or whole.missions[0].has_functions:
+        return not whole.has_timetable
+    return whole.asks_for_least_end and estimate(whole.instance).entries >= LARGE_ENTRIES
 
 
 def candidates(

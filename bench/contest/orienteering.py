@@ -83,7 +83,7 @@ def draw(kind: str, seed: int, places: int = 100) -> Places:
     return Places(f"{kind}-{seed}", prize, service, opens, closes, travel)
 
 
-def instance_of(places: Places) -> Instance:
+def instance_of(places: Places, chasers: int = 1) -> Instance:
     """The mission; a connection holds the service at its origin and leaves as that begins."""
     count = places.prize.size
     names = ["begin", "end", *(f"place-{place:03d}" for place in range(1, count))]
@@ -114,13 +114,14 @@ def instance_of(places: Places) -> Instance:
             )
             for place in range(1, count)
         ),
-        chasers=(
+        chasers=tuple(
             Chaser(
-                name="tourist",
+                name=f"tourist-{number}",
                 start=AtStation(station="begin"),
                 end=AtStation(station="end"),
                 tank=Tank(delta_v_m_s=1.0),
-            ),
+            )
+            for number in range(chasers)
         ),
         mission=MissionSettings(
             duration_s=float(places.closes[0]), service_s=0.0, refuel_revolutions=0.0
@@ -156,8 +157,8 @@ def collected(places: Places, tour: Sequence[int]) -> int:
     return int(places.prize[list(tour)].sum()) if tour else 0
 
 
-def by_pyvrp(places: Places, time_limit_s: float, seed: int = 0) -> int:
-    """Prizes that PyVRP collects: one vehicle, optional clients, a prize above any distance.
+def by_pyvrp(places: Places, time_limit_s: float, seed: int = 0, chasers: int = 1) -> int:
+    """Prizes that PyVRP collects: optional clients, a prize above any distance.
 
     Raises
     ------
@@ -177,7 +178,7 @@ def by_pyvrp(places: Places, time_limit_s: float, seed: int = 0) -> int:
             prize=1000 * int(places.prize[place]),
             required=False,
         )
-    model.add_vehicle_type(num_available=1, tw_early=0, tw_late=int(places.closes[0]))
+    model.add_vehicle_type(num_available=chasers, tw_early=0, tw_late=int(places.closes[0]))
     for i, here in enumerate(spots):
         for j, there in enumerate(spots):
             if i != j:
@@ -186,6 +187,8 @@ def by_pyvrp(places: Places, time_limit_s: float, seed: int = 0) -> int:
     found = model.solve(pyvrp.stop.MaxRuntime(time_limit_s), seed=seed, display=False).best
     if not found.is_feasible():
         return 0
-    (route,) = found.routes() or ([],)
-    tour = [1 + activity.idx for activity in list(route)[1:-1] if activity.is_client()]
-    return collected(places, tour)
+    tours = [
+        [1 + activity.idx for activity in list(route)[1:-1] if activity.is_client()]
+        for route in found.routes()
+    ]
+    return sum(collected(places, tour) for tour in tours)

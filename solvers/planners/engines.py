@@ -15,7 +15,7 @@ from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 from adr_opt.problem.tours import tour_obstacle
 
-from . import label_setting, least_end, many_routes, one_route, timed_sets, tours
+from . import label_setting, many_routes, one_route, timed_routes, tours
 
 
 class PlanCall(Protocol):
@@ -71,21 +71,23 @@ ENGINES = (
         {"auto": tours.search, "exact": tours.prove},
     ),
     PlanningEngine(
-        "one chaser, arrivals that are [functions of time](given-costs.md#functions-of-time)",
-        lambda problem: problem.alone is not None and problem.alone.has_functions,
-        "beams over sets of targets",
+        "arrivals that are [functions of time](given-costs.md#functions-of-time)",
+        lambda problem: problem.missions[0].has_functions,
+        "the route engine: ruin and recreate in continuous time",
         dict.fromkeys(
-            ("auto", "exact"), "prizes and cost: the earliest time of each set and place"
+            ("auto", "exact"),
+            "of one chaser and up to 57 targets, prizes and cost: the earliest time of each set "
+            "and place",
         ),
-        dict.fromkeys(("auto", "exact"), timed_sets.plan),
+        dict.fromkeys(("auto", "exact"), timed_routes.plan),
     ),
     PlanningEngine(
         "[all targets as early as possible](given-costs.md#the-earliest-end-of-all-targets), on "
         "given connections",
         lambda problem: problem.asks_for_least_end,
-        "orders annealed: strings of targets taken out and put back",
-        {"auto": "the end, of few targets: all orders"},
-        {"auto": least_end.plan},
+        "the same",
+        {"auto": "of up to 57 targets, the end: the same"},
+        {"auto": timed_routes.plan},
     ),
     PlanningEngine(
         "one chaser",

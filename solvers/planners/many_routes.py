@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from adr_opt.common.progress import Progress, silent
-from adr_opt.common.stop import Stop
+from adr_opt.common.stop import Clock, Stop
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
 
@@ -22,6 +22,7 @@ from ..progress.proof_size import fits_memory, proof_notes, set_up_s, sweep_s
 from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentProof
 from ..proof.least_end import prove_end
 from ..proof.proof import ProofOptions
+from ..routes.engine_rounds import EngineRounds
 from ..routes.one_chaser import FloatArray
 from ..routes.route_pool import RoutePool
 from ..routes.route_search import RouteSearch
@@ -97,11 +98,18 @@ class _Search:
     """The searching half: ruin and recreate across routes, packing, and target exchange."""
 
     def __init__(
-        self, problem: Problem, seed: int, stop: Stop, certificate: GapTracker, pool: RoutePool
+        self,
+        problem: Problem,
+        seed: int,
+        stop: Stop,
+        certificate: GapTracker,
+        pool: RoutePool,
+        cores: int,
     ) -> None:
         self._certificate, self._stop = certificate, stop
         self.routes = RouteSearch(problem, seed, stop, certificate, pool)
         self.exchanges = Exchanges(problem, seed, certificate, pool)
+        self._engine = EngineRounds(problem, certificate, seed, Clock(stop), cores)
         self._drifts = problem.instance.transfer.may_drift
         self._moves, self._most_moves = FIRST_MOVES, MOST_MOVES
         self._width = first_width(problem.missions[0], WIDTH)
@@ -109,6 +117,12 @@ class _Search:
     def begin(self, start: Routes | None, scale: int) -> None:
         """Make the first plans; ``scale`` multiplies the number of moves per round."""
         self._moves, self._most_moves = scale * FIRST_MOVES, scale * MOST_MOVES
+        if self._engine.serves:
+            self._certificate.offer(*(start or ()))
+            if self._certificate.routes is None:
+                self._engine.at_first()
+            self.routes.begin_again()
+            return
         self.routes.begin(start)
 
     def beside(self, prover: _Prover | None, rounds: int) -> Task | None:
@@ -119,6 +133,10 @@ class _Search:
         """One round of all searches."""
         search, certificate = self.routes, self._certificate
         search.pack(PACKING_S)
+        if self._engine.serves:
+            self._engine.until(most=1)
+            search.begin_again()
+            return
         if self._drifts and self.exchange(self._stop):
             search.begin_again()
         for _ in range(self._moves):
@@ -142,7 +160,8 @@ class _Search:
     @property
     def counters(self) -> dict[str, float]:
         """Work counters."""
-        return {**self.routes.counters, **self.exchanges.counters}
+        engine = self._engine.counters if self._engine.serves else {}
+        return {**engine, **self.routes.counters, **self.exchanges.counters}
 
 
 def plan(
@@ -179,7 +198,7 @@ def plan(
     certificate, pool = GapTracker(problem, progress), RoutePool(problem)
     asks_for_cost = problem.instance.objective.asks_for_more and not goals.prizes_alone
     within: Stop = ShareOfTime(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
-    search = _Search(problem, seed, within, certificate, pool)
+    search = _Search(problem, seed, within, certificate, pool, options.cores)
     prover, scale = None, 1
     if goals.proves and fits_memory(problem):
         scale = max(1, round(sweep_s(problem) / USUAL_SWEEP_S))
@@ -205,7 +224,7 @@ def plan(
         search.routes.pack(PACKING_S)
     if asks_for_cost or (goals.cost and certificate.proven):
         search.exchange(ShareOfTime(stop, FOR_COST) if goals.cost else stop)
-    counters: dict[str, float] = {"rounds": rounds, **search.counters}
+    counters: dict[str, float] = {**search.counters, "rounds": rounds}
     if prover is not None:
         counters |= prover.counters
     cost_bound = None

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from adr_opt.common.progress import Progress
-from adr_opt.common.stop import Stop
+from adr_opt.common.stop import Clock, Stop
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
@@ -26,6 +26,7 @@ from ..progress.proof_size import proof_notes
 from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentProof
 from ..proof.large_proof import LargeProof
 from ..proof.proof import Proof, ProofOptions, proof_of
+from ..routes.engine_rounds import EngineRounds
 from ..walks.latest_times import Latest
 from .options import AutoOptions
 from .rounds import Task, run
@@ -76,9 +77,14 @@ class RouteSearches:
     stop : Stop
         Its time alone counts here.
     certificate : GapTracker
+    engine : EngineRounds
+        Searches in place of all but guided beams, where arrivals are all that matters.
     """
 
-    def __init__(self, mission: Mission, seed: int, stop: Stop, certificate: GapTracker) -> None:
+    def __init__(
+        self, mission: Mission, seed: int, stop: Stop, certificate: GapTracker, engine: EngineRounds
+    ) -> None:
+        self._engine = engine
         self._mission = mission
         self._stop = stop
         self._certificate = certificate
@@ -134,6 +140,10 @@ class RouteSearches:
         if self._asks and prover is not None and not is_over():
             prover.advance()  # only beginning takes no time, and beams may take all of it
             prover.deliver()
+        if self._engine.serves:
+            if self._certificate.routes is None:
+                self._engine.at_first()
+            return
         for width in pilots(self._mission):
             if not is_over():
                 self.usual(self.usual_width(width))
@@ -172,7 +182,10 @@ class RouteSearches:
         proof = prover.proof if prover is not None and knows else None
         if proof is not None and proof.latest is not None:
             self.guided(proof.latest, min(2**rounds, MOST_GUIDED))
-        else:
+        if self._engine.serves:
+            self._engine.until(most=1)
+            return
+        if proof is None or proof.latest is None:
             self.usual(max(self._usual, self.scaled(self._width)))
         self.varied(self.scaled(self._width))
         self.anneal(self._annealings, restarts=rounds > 1)
@@ -347,14 +360,17 @@ def plan(
     assert given is not None
     mission = with_time_value(given, options.time_value_m_s_per_h)
     certificate = GapTracker(mission, progress)
-    search = RouteSearches(mission, seed, stop, certificate)
-    certificate.offer(guarded_sequence(given))
+    engine = EngineRounds(problem, certificate, seed, Clock(stop), options.cores)
+    search = RouteSearches(mission, seed, stop, certificate, engine)
+    if not engine.serves:
+        certificate.offer(guarded_sequence(given))
     if start is not None:
         certificate.offer(*start)
     prover = _prover(mission, certificate, stop, options) if options.goals.proves else None
     search.begin(prover, options.cores)
     rounds = run(certificate, search, prover, stop=stop, cores=options.cores)
-    counters: dict[str, float] = {"rounds": rounds, **search.counters}
+    counters: dict[str, float] = {**(engine.counters if engine.serves else {}), **search.counters}
+    counters["rounds"] = rounds
     if prover is not None:
         counters |= prover.counters
     stated = certificate.stated

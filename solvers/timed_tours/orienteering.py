@@ -323,7 +323,12 @@ class Orienteering:
         self._legs = _legs_of(mission)
         self._latest = _latest_of(self._legs, self._terms)
 
-    def search(self, room: int, width: int | None = None) -> BestRoute:
+    def search(
+        self,
+        room: int,
+        width: int | None = None,
+        known: tuple[float, float] = (-math.inf, math.inf),
+    ) -> BestRoute:
         """Search all routes, or those of the most promising labels of each layer.
 
         Parameters
@@ -332,18 +337,20 @@ class Orienteering:
             Maximum number of labels.
         width : int, optional
             Number of labels of as many legs that go on: those that are worth most, earliest first.
+        known : tuple of float
+            Worth and cost of a known plan: a route is found only if it is better.
         """
         terms = self._terms
         most = int(np.diff(self._legs.first).sum())
         routes, table = _wider(None, 0, max(1 << 12, 2 * most))
-        best, whole = np.array([-math.inf, math.inf, -1.0]), True
+        best, whole = np.array([*known, -1.0]), True
         question = RouteQuestion(terms, self._latest, best)
         routes.done[0], routes.body[0], routes.parent[0] = 0, terms.start, -1
         routes.following[0], routes.is_open[0] = -1, True
         routes.time[0], routes.left[0] = terms.ready, terms.budget
         routes.cost[0], routes.worth[0] = 0.0, 0.0
         reenter(table, routes, 1)
-        if terms.may_end[terms.start]:
+        if terms.may_end[terms.start] and known[0] < 0.0:
             best[:] = 0.0
         first, count = 0, 1
         while first < count:

@@ -35,6 +35,7 @@ METHODS = [
 
 ELSEWHERE = {
     "functions of time": "solvers/test_timed_sets.py",
+    "functions of time for several chasers": "solvers/test_route_engine.py",
     "longest leg": "solvers/test_tours_planned.py",
     "missions apart": "solvers/test_tours_planned.py",
     "low thrust": "plan/test_kits.py",

@@ -14,7 +14,7 @@ from toy_roads import order_of_all
 import adr_opt
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.instance import Instance
-from solvers.planners import label_setting, least_end, many_routes, one_route, timed_sets, tours
+from solvers.planners import label_setting, many_routes, one_route, timed_routes, tours
 from solvers.planners.engines import ENGINES, PlanCall, engine_for, page_table
 
 PAGE = Path(__file__).parents[2] / "docs" / "which-planner.md"
@@ -37,8 +37,8 @@ def test_every_engine_says_what_it_proves() -> None:
     ("instance", "auto", "exact"),
     [
         (launched(0), tours.search, tours.prove),
-        (timed_mission(0), timed_sets.plan, timed_sets.plan),
-        (order_of_all(), least_end.plan, label_setting.plan),
+        (timed_mission(0), timed_routes.plan, timed_routes.plan),
+        (order_of_all(), timed_routes.plan, label_setting.plan),
         (hand_made(), one_route.plan, label_setting.plan),
         (random_campaign(0), many_routes.plan, many_routes.plan),
         (adr_opt.generate("removal", 0, targets=3), many_routes.plan, many_routes.plan),

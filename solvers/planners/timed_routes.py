@@ -1,4 +1,9 @@
-"""Planning for one chaser where arrivals are functions of time, by sets of targets."""
+"""Planning where arrivals are all that matters: functions of time, and ends of given connections.
+
+The route engine first, for as much work as it gains by (:mod:`..routes.route_engine`). Then, for
+one chaser and a number of targets whose sets fit an integer, the proof by sets of targets
+(:mod:`..timed_tours`), which begins from that plan. What time the proof leaves is the engine's.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +11,6 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from adr_opt.common.errors import InputError
 from adr_opt.common.memory import available_bytes
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
@@ -15,13 +19,18 @@ from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 
 from ..progress.gap import GapTracker
+from ..progress.halting import ShareOfTime
 from ..proof.proof import ProofOptions
+from ..routes.engine_rounds import EngineRounds
 from ..timed_tours.earliest_end import LABEL_BYTES, EarliestEnd
-from ..timed_tours.orienteering import MOST_TARGETS, Orienteering
-from ..timed_tours.tour import TimedTour, sequence_of, tour_of
+from ..timed_tours.orienteering import Orienteering
+from ..timed_tours.tour import MOST_TARGETS, TimedTour, sequence_of, tour_of
 
 WIDTHS = (100, 1_000, 10_000, 100_000)
 """Labels of a layer that go on in the searches before that of all labels."""
+
+OF_LISTS = 0.3
+"""Share of the remaining time for the proof over given connections, which seldom succeeds."""
 
 MEMORY_SHARE = 0.4
 """Share of free memory that labels may take."""
@@ -37,58 +46,68 @@ def plan(
     start: Iterable[Iterable[int]] | None,
     options: ProofOptions,
 ) -> Result:
-    """The best plan and its proof, or the best plan so far: both of the prizes and of the cost.
+    """The best plan so far and, of one chaser, its proof: both of the prizes and of the cost.
 
     A tour of all targets that ends first is a question of its own, asked first where it may be the
     answer (:mod:`..timed_tours.earliest_end`).
 
-    Raises
-    ------
-    InputError
-        There are too many targets.
+    Parameters
+    ----------
+    method : str
+        Whose result it is.
+    problem : Problem
+        With functions of time, or one that :attr:`~.Problem.asks_for_least_end`.
+    seed, stop, progress, start, options
+        As planners take them.
     """
-    mission = problem.alone
-    assert mission is not None
-    targets = len(mission.instance.targets)
-    if targets > MOST_TARGETS:
-        raise InputError(
-            f"arrivals of {mission.instance.name!r} are functions of time, which are planned for "
-            f"up to {MOST_TARGETS} targets, and it has {targets}; leave some out"
-        )
-    certificate = GapTracker(mission, progress)
+    certificate = GapTracker(problem, progress)
     if start is not None:
         certificate.offer(*start)
-    room = int(min(MEMORY_SHARE * available_bytes() / LABEL_BYTES, 2**30))
-    searches = _Searches(mission, certificate, stop, room)
-    tour = tour_of(mission)
-    cost_bound = None
-    if tour is not None and mission.total_worth > 0.0:
-        cost_bound = searches.earliest_end(tour, options.cores)
-    if not searches.answered:
-        cost_bound = searches.all_routes()
+    searching = EngineRounds(problem, certificate, seed, stop, options.cores)
+    searching.at_first()
+    mission, cost_bound, counters = problem.alone, None, {"labels": 0}
+    proves = mission is not None and len(mission.instance.targets) <= MOST_TARGETS
+    if mission is not None and proves:
+        room = int(min(MEMORY_SHARE * available_bytes() / LABEL_BYTES, 2**30))
+        within: Stop = stop if mission.has_functions else ShareOfTime(stop, OF_LISTS)
+        proof = _Proof(mission, certificate, within, room)
+        tour = tour_of(mission)
+        if tour is not None and mission.total_worth > 0.0:
+            cost_bound = proof.earliest_end(tour, options.cores)
+        if not proof.answered:
+            cost_bound = proof.all_routes()
+        counters["labels"] = proof.labels
+        if not (proof.complete or stop.remaining_s() <= 0.0):
+            searching.until()
+    else:
+        searching.until()
+    if cost_bound is not None:
+        cost_bound = min(cost_bound, certificate.cost)
     return certificate.result(
         method,
         seed=seed,
-        counters={"labels": searches.labels},
+        counters={**counters, **searching.counters},
         cost_bound=cost_bound,
-        upper_bound=certificate.bound,
-        otherwise=((),),
+        upper_bound=certificate.bound if proves else certificate.stated,
+        otherwise=tuple(() for _ in problem.missions),
     )
 
 
-class _Searches:
-    """Searches that share an incumbent.
+class _Proof:
+    """Searches by sets of targets that share an incumbent.
 
     Attributes
     ----------
     answered : bool
         Whether nothing is left to be asked.
+    complete : bool
+        Whether no better plan exists.
     labels : int
     """
 
     def __init__(self, mission: Mission, certificate: GapTracker, stop: Stop, room: int) -> None:
         self._mission, self._certificate, self._stop, self._room = mission, certificate, stop, room
-        self.answered, self.labels = False, 0
+        self.answered, self.complete, self.labels = False, False, 0
 
     def _over(self) -> bool:
         return self._stop.remaining_s() <= 0.0
@@ -96,7 +115,9 @@ class _Searches:
     def earliest_end(self, tour: TimedTour, jobs: int) -> float | None:
         """Search the tour of all targets that ends first; returns what no plan ends before [s]."""
         mission, certificate = self._mission, self._certificate
-        search = EarliestEnd(tour, self._over, jobs=jobs, most_labels=self._room)
+        every = mission.total_worth
+        known_s = certificate.cost if certificate.incumbent >= every else np.inf
+        search = EarliestEnd(tour, self._over, jobs=jobs, most_labels=self._room, known_s=known_s)
         offered: object = None
         for _ in search.rounds():
             if search.order is not None and search.order is not offered:
@@ -105,11 +126,11 @@ class _Searches:
             if self._stop(certificate.incumbent, certificate.bound) and not search.proven:
                 break
         self.labels += search.labels
-        every = mission.total_worth
+        self.complete = search.proven
         if search.order is not None or certificate.incumbent >= every:
             self.answered = True
             certificate.lower(every)
-            return min(search.bound_s, certificate.cost)
+            return search.bound_s
         required = all(target.required for target in mission.instance.targets)
         if search.proven and required:
             self.answered = True
@@ -123,13 +144,16 @@ class _Searches:
         mission, certificate = self._mission, self._certificate
         search = Orienteering(mission, self._over)
         for width in (*WIDTHS, None):
-            found = search.search(self._room, width)
+            found = search.search(
+                self._room, width, known=(certificate.incumbent, certificate.cost)
+            )
             self.labels += found.labels
             if found.sequence is not None:
                 certificate.offer(found.sequence)
             if found.whole:
+                self.complete = True
                 certificate.lower(found.worth)
-                return certificate.cost if found.sequence is not None else None
+                return certificate.cost if certificate.routes is not None else None
             if self._stop(certificate.incumbent, certificate.bound) or self._over():
                 break
         return None
