@@ -32,7 +32,8 @@ from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import followed, loads_of
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.planes import Plane, ahead, outward
-from adr_opt.plan.tows import leaving_orbits, removals_of
+from adr_opt.plan.after_tows import leaving_orbits
+from adr_opt.plan.tows import removals_of
 from adr_opt.ui.plot.gantt import segments
 
 

@@ -320,7 +320,7 @@ def _check_tank(
     elif leg.destination in bodies.kits - visited:
         tank.leave_kit()
     elif towed is not None and leg.destination not in visited:
-        tank.tow(towed.delta_v_m_s, towed.mass_kg)
+        tank.tow(towed.delta_v_m_s, towed.mass_kg, towed.back_m_s)
         if tank.left_m_s < -SLACK_M_S:
             yield Violation(
                 number, "delta-v", f"tows {leg.destination!r}, but has too little left for that"

@@ -13,7 +13,7 @@ from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits import ephemeris
 from ...kernels.orbits.body_rows import as_left, with_orbit
 from ...plan.plan import Burn, Leg
-from ...problem.bodies import Target
+from ...problem.bodies import Disposal, DisposalCircle, DisposalPerigee, Target
 from ...problem.drives import Drive
 from ...problem.instance import Instance
 from .violation import DELTA_V_TOLERANCE_M_S, MOST_RELEASE_OFF_M, TIME_TOLERANCE_S, Violation
@@ -23,6 +23,12 @@ FloatArray = npt.NDArray[np.float64]
 
 SPIRAL_STEPS = 2000
 """Number of steps of a spiral."""
+
+MOST_LOST_M_S = 1.0
+"""From what v e / 2 on a tow between circles is not accurate enough: then it begins at an apogee."""
+
+SAME_LAP = 1e-6
+"""Part of a revolution by which a time before an apogee still counts as that of the apogee."""
 
 RELEASE_SPARE_M, PLACES = 500.0, 24
 """How much nearer than the limit a release has to be for all places of an orbit [m], and the number
@@ -38,28 +44,78 @@ class Towed(NamedTuple):
         Of the object, as of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
     left : (columns + 1,) float64
         Of a body that is where the chaser is that leaves at a time, and how fast its node moves
-        after that.
-    time_s, delta_v_m_s, mass_kg : float
-        How long the tow takes, its ΔV, and the mass of the object.
-    shift : float
-        How far its node moves [rad].
-    slower : (float, float) or None
+        after that; of a tow from apogee at the epoch, see :meth:`left_at`.
+    time_s, flight_s : float
+        How long the tow takes, and from its first burn to the last.
+    delta_v_m_s, back_m_s, mass_kg : float
+        Its ΔV, that which the chaser takes alone, and the mass of the object.
+    shift, turned : float
+        How far its node moves between the burns, and the argument of latitude [rad].
+    slower : tuple of float or None
         What its burns take off the speed [m/s]; None for a spiral of low thrust.
+    released_m : (float, float)
+        Radii of perigee and apogee of the orbit that it has to be left on.
     sinks_m_s : float
         How fast its orbit shrinks.
     offset : (float, float)
         Constant part of its eccentricity vector, towards the node and a quarter lap later.
+    period_s : float
+        From one apogee to the next where it begins at one, else 0.
+    left_on : (float, float)
+        Semi-major axis [m] and eccentricity of the orbit that the chaser goes on from.
+    oblateness_m2 : float
+        J2 R², 0 for two bodies.
     """
 
     orbit: FloatArray
     left: FloatArray
     time_s: float
+    flight_s: float
     delta_v_m_s: float
+    back_m_s: float
     mass_kg: float
     shift: float
-    slower: tuple[float, float] | None
+    turned: float
+    slower: tuple[float, ...] | None
+    released_m: tuple[float, float]
     sinks_m_s: float
     offset: tuple[float, float]
+    period_s: float
+    left_on: tuple[float, float]
+    oblateness_m2: float
+
+    def begins_s(self, ends_s: float) -> float:
+        """First burn of a tow that is over by a time: that long before, or at the last apogee [s]."""
+        begins_s = ends_s - self.flight_s
+        if not self.period_s:
+            return begins_s
+        mean = ephemeris.latitude_at(self.orbit, begins_s) - ephemeris.perigee_at(
+            self.orbit, begins_s
+        )
+        past = float(mean - math.pi) / math.tau
+        return begins_s - (past - math.floor(past + SAME_LAP)) * self.period_s
+
+    def left_at(self, time_s: float) -> FloatArray:
+        """Row of a body that is where the chaser is that leaves at a time, shape (columns + 1,)."""
+        if not self.period_s:
+            return self.left
+        begun_s, (axis, shape) = self.begins_s(time_s), self.left_on
+        tilt, perigee, node = (
+            float(of(self.orbit, begun_s))
+            for of in (ephemeris.inclination_at, ephemeris.perigee_at, ephemeris.node_at)
+        )
+        since_s, latitude = begun_s + self.flight_s, perigee + math.pi + self.turned
+        rates = ephemeris.secular_rates(axis, shape, tilt, self.oblateness_m2)
+        row = ephemeris.body_row(
+            axis,
+            tilt,
+            node + self.shift - rates[0] * since_s,
+            latitude - (rates[1] + rates[2]) * since_s,
+            eccentricity=shape,
+            perigee=perigee - rates[1] * since_s,
+            oblateness_m2=self.oblateness_m2,
+        )
+        return as_left(np.array([row]))[0]
 
 
 def towed_bodies(instance: Instance, elements: FloatArray, drive: Drive | None) -> dict[str, Towed]:
@@ -95,17 +151,26 @@ def _spiral(
 
 def _towed(instance: Instance, orbit: FloatArray, target: Target, drive: Drive | None) -> Towed:
     mass_kg, sinks_m_s = float(target.mass_kg or 0.0), (target.decay_m_per_day or 0.0) / DAY_S
-    low = EARTH_RADIUS_M + float(instance.mission.disposal_altitude_m or 0.0)
+    offset = (0.0, 0.0) if target.fit is None else target.fit.eccentricity_offset
+    disposal, oblateness = instance.disposal_of(target), instance.oblateness_m2
     high = float(ephemeris.radius_at(orbit, ephemeris.EPOCH_S))
     tilt = float(ephemeris.inclination_at(orbit, ephemeris.EPOCH_S))
-    oblateness, axis = instance.oblateness_m2, 0.5 * (high + low)
+    shape = float(ephemeris.eccentricity_at(orbit, ephemeris.EPOCH_S))
+    is_perigee = isinstance(disposal, DisposalPerigee)
+    loses = 0.5 * math.sqrt(MU_M3_S2 / high) * shape
+    if drive is None and (is_perigee or loses >= MOST_LOST_M_S):
+        least = EARTH_RADIUS_M + instance.transfer.min_altitude_m
+        return _from_apogee(orbit, disposal, least, mass_kg, (sinks_m_s, offset), oblateness)
+    assert isinstance(disposal, DisposalCircle)
+    low = EARTH_RADIUS_M + disposal.circle_m
+    axis = 0.5 * (high + low)
     time = math.pi / float(ephemeris.latitude_rate(axis, tilt, oblateness))
     shift, turned = time * float(ephemeris.node_rate(axis, tilt, oblateness)), math.pi
     burns = (
-        math.sqrt(MU_M3_S2 / high) - math.sqrt(MU_M3_S2 * (2.0 / high - 1.0 / axis)),
-        math.sqrt(MU_M3_S2 * (2.0 / low - 1.0 / axis)) - math.sqrt(MU_M3_S2 / low),
+        math.sqrt(MU_M3_S2 / high) - _speed(high, axis),
+        _speed(low, axis) - math.sqrt(MU_M3_S2 / low),
     )
-    delta_v = burns[0] + burns[1]
+    delta_v = abs(burns[0]) + abs(burns[1])
     if drive is not None:
         time, delta_v, shift, turned = _spiral(drive, high, low, tilt, oblateness, mass_kg)
     # A chaser that leaves at t = 0 began to tow a while before, at the object's angles then.
@@ -117,9 +182,86 @@ def _towed(instance: Instance, orbit: FloatArray, target: Target, drive: Drive |
         eccentricity=0.0,
         coasting_node_rate=float(ephemeris.node_rate(low, tilt, oblateness)),
     )
-    slower = None if drive is not None else burns
-    offset = (0.0, 0.0) if target.fit is None else target.fit.eccentricity_offset
-    return Towed(orbit, left, time, delta_v, mass_kg, shift, slower, sinks_m_s, offset)
+    return Towed(
+        orbit=orbit,
+        left=left,
+        time_s=time,
+        flight_s=time,
+        delta_v_m_s=delta_v,
+        back_m_s=0.0,
+        mass_kg=mass_kg,
+        shift=shift,
+        turned=turned,
+        slower=None if drive is not None else burns,
+        released_m=(low, low),
+        sinks_m_s=sinks_m_s,
+        offset=offset,
+        period_s=0.0,
+        left_on=(low, 0.0),
+        oblateness_m2=oblateness,
+    )
+
+
+def _speed(radius: float, axis: float) -> float:
+    """Speed at a radius on an orbit with a semi-major axis [m/s]."""
+    return math.sqrt(MU_M3_S2 * (2.0 / radius - 1.0 / axis))
+
+
+def _from_apogee(
+    orbit: FloatArray,
+    disposal: Disposal | None,
+    least: float,
+    mass_kg: float,
+    unplanned: tuple[float, tuple[float, float]],
+    oblateness: float,
+) -> Towed:
+    """A tow that begins at an apogee, from the ellipse of the object."""
+    axis, shape, tilt = (
+        float(of(orbit, ephemeris.EPOCH_S))
+        for of in (ephemeris.radius_at, ephemeris.eccentricity_at, ephemeris.inclination_at)
+    )
+    top, begun = axis * (1.0 + shape), _speed(axis * (1.0 + shape), axis)
+    time = shift = turned = back = 0.0
+    if isinstance(disposal, DisposalPerigee):
+        low = min(EARTH_RADIUS_M + disposal.perigee_m, axis * (1.0 - shape))
+        after, kept = _speed(top, 0.5 * (top + low)), _speed(top, 0.5 * (top + max(low, least)))
+        back, slower = kept - after, (begun - after, after - kept)
+        slower = slower if low < least else slower[:1]
+        released, ends = (low, top), (max(low, least), top)
+    else:
+        assert isinstance(disposal, DisposalCircle)
+        circle = EARTH_RADIUS_M + disposal.circle_m
+        middle = 0.5 * (top + circle)
+        slower = (
+            begun - _speed(top, middle),
+            _speed(circle, middle) - math.sqrt(MU_M3_S2 / circle),
+        )
+        time = math.pi / float(ephemeris.latitude_rate(middle, tilt, oblateness))
+        shift, turned = time * float(ephemeris.node_rate(middle, tilt, oblateness)), math.pi
+        released = ends = circle, circle
+    rate = ephemeris.latitude_rate_at(orbit, ephemeris.EPOCH_S) - ephemeris.perigee_rate_at(
+        orbit, ephemeris.EPOCH_S
+    )
+    period = math.tau / float(rate)
+    found = Towed(
+        orbit=orbit,
+        left=as_left(orbit[None])[0],
+        time_s=period + time,
+        flight_s=time,
+        delta_v_m_s=math.fsum(map(abs, slower)),
+        back_m_s=back,
+        mass_kg=mass_kg,
+        shift=shift,
+        turned=turned,
+        slower=slower,
+        released_m=released,
+        sinks_m_s=unplanned[0],
+        offset=unplanned[1],
+        period_s=period,
+        left_on=(0.5 * (ends[0] + ends[1]), (ends[1] - ends[0]) / (ends[1] + ends[0])),
+        oblateness_m2=oblateness,
+    )
+    return found._replace(left=found.left_at(found.time_s))
 
 
 def check_tow(
@@ -151,8 +293,9 @@ def check_tow(
             yield Violation(number, "tow", f"{leg.destination!r} is {stated} by the plan")
         return
     # Who leads nowhere after it may wait before it, too, as far as the mission goes.
-    soonest = end + towed.time_s
-    last = max(soonest, leg.tow.end_s) if following is None else following.leaves_s
+    last = max(end + towed.time_s, leg.tow.end_s)
+    if following is not None:
+        last = following.departure_s if towed.period_s else following.leaves_s
     for name, stated_s, true in (
         ("start_s", leg.tow.start_s, last - towed.time_s),
         ("end_s", leg.tow.end_s, last),
@@ -165,38 +308,45 @@ def check_tow(
             "tow",
             f"delta_v_m_s = {leg.tow.delta_v_m_s!r} of the tow, but it takes {towed.delta_v_m_s!r}",
         )
-    times = last - towed.time_s, last
     if towed.slower is None:
         if leg.tow.burns:
             yield Violation(number, "tow", "is a spiral, which has no burns")
         return
-    if [burn.phase for burn in leg.tow.burns] != ["tow", "tow"]:
-        yield Violation(number, "tow", "must have two burns of the phase 'tow'")
+    phases = ["tow", "return" if towed.back_m_s > 0.0 else "tow"][: len(towed.slower)]
+    if [burn.phase for burn in leg.tow.burns] != phases:
+        yield Violation(number, "tow", f"must have burns of the phases {', '.join(phases)}")
         return
+    begins_s = towed.begins_s(last)
+    times = begins_s, begins_s + towed.flight_s
     for which, burn in enumerate(leg.tow.burns):
         yield from _check_burn(towed, number, which, burn, times)
     low, high = released_between(towed, times, oblateness_m2)
-    circle = float(ephemeris.radius_at(towed.left, ephemeris.EPOCH_S))
-    if max(abs(low - circle), abs(high - circle)) > MOST_RELEASE_OFF_M:
-        low, high, circle = ((radius - EARTH_RADIUS_M) / 1e3 for radius in (low, high, circle))
+    if release_off_m(towed, (low, high)) > MOST_RELEASE_OFF_M:
+        wanted = " × ".join(f"{(radius - EARTH_RADIUS_M) / 1e3:g}" for radius in towed.released_m)
+        low, high = ((radius - EARTH_RADIUS_M) / 1e3 for radius in (low, high))
         yield Violation(
             number,
             "release",
             f"{leg.destination!r} is released at {low:.1f} × {high:.1f} km, more than "
-            f"{MOST_RELEASE_OFF_M / 1e3:g} km off the circle at {circle:g} km",
+            f"{MOST_RELEASE_OFF_M / 1e3:g} km off {wanted} km",
         )
+
+
+def release_off_m(towed: Towed, apsides_m: tuple[float, float]) -> float:
+    """How far perigee and apogee of a release are off; of a lowered perigee that one alone [m]."""
+    off = [abs(is_ - due) for is_, due in zip(apsides_m, towed.released_m, strict=True)]
+    return off[0] if towed.released_m[0] < towed.released_m[1] else max(off)
 
 
 def may_end_far(towed: Towed, time_s: float, oblateness_m2: float) -> bool:
     """Whether a tow in the revolution after a time [s] may end nearly as far off as is allowed."""
     if towed.slower is None:
         return False
-    circle = float(ephemeris.radius_at(towed.left, ephemeris.EPOCH_S))
     lap_s = math.tau / float(ephemeris.latitude_rate_at(towed.orbit, time_s))
-    for place in range(PLACES):
-        begin_s = time_s + place / PLACES * lap_s
-        between = released_between(towed, (begin_s, begin_s + towed.time_s), oblateness_m2)
-        if max(abs(radius - circle) for radius in between) > MOST_RELEASE_OFF_M - RELEASE_SPARE_M:
+    for place in range(1 if towed.period_s else PLACES):
+        begin_s = towed.begins_s(time_s + towed.time_s + place / PLACES * lap_s)
+        between = released_between(towed, (begin_s, begin_s + towed.flight_s), oblateness_m2)
+        if release_off_m(towed, between) > MOST_RELEASE_OFF_M - RELEASE_SPARE_M:
             return True
     return False
 
@@ -204,16 +354,17 @@ def may_end_far(towed: Towed, time_s: float, oblateness_m2: float) -> bool:
 def released_between(
     towed: Towed, times: tuple[float, float], oblateness_m2: float
 ) -> tuple[float, float]:
-    """Radii of perigee and apogee of an object that two burns against the motion lead down [m].
+    """Radii of perigee and apogee of an object that burns along the motion lead to its release [m].
 
     It begins on its true orbit, as large as that is by then.
     """
     assert towed.slower is not None
     position, velocity = _true_state(towed, times[0])
     velocity -= towed.slower[0] / float(np.linalg.norm(velocity)) * velocity
-    arc = ZonedArc(position, velocity, *times, oblateness_m2)
-    position, velocity = arc.state_at_end()
-    velocity -= towed.slower[1] / float(np.linalg.norm(velocity)) * velocity
+    if times[1] > times[0]:
+        arc = ZonedArc(position, velocity, *times, oblateness_m2)
+        position, velocity = arc.state_at_end()
+        velocity -= towed.slower[1] / float(np.linalg.norm(velocity)) * velocity
     after = ZonedArc(position, velocity, times[1], times[1], oblateness_m2)
     shape = math.hypot(after.e_cos, after.e_sin)
     return after.a * (1.0 - shape), after.a * (1.0 + shape)
@@ -252,7 +403,7 @@ def _check_burn(
     """Check that a tow's burn opposes the motion, in the plane of the object at that time."""
     assert towed.slower is not None
     raan = ephemeris.node_at(towed.orbit, times[0]) + which * towed.shift
-    latitude = ephemeris.latitude_at(towed.orbit, times[0]) + which * math.pi
+    latitude = ephemeris.latitude_at(towed.orbit, times[0]) + which * towed.turned
     tilt = ephemeris.inclination_at(towed.orbit, times[0])
     ascending, ahead, _ = ephemeris.frame(tilt, raan)
     motion = math.cos(latitude) * ahead - math.sin(latitude) * ascending

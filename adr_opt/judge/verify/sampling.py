@@ -132,7 +132,7 @@ def _faults(
     if family.kind is SHORT:
         # The least ΔV for eccentric ends has no burns, so none of it is asked for here.
         times, vectors, phases = burn_kernels.burns_between(
-            physics.left[i], physics.elements[j], 0.0, physics.rule, *stated
+            physics.leaving(i, departure), physics.elements[j], 0.0, physics.rule, *stated
         )
         leaves = float(times[0])
         if not np.isfinite(np.column_stack([times, vectors])).all():

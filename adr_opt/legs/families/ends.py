@@ -18,11 +18,12 @@ import numpy as np
 from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S, SLACK_S
 from ...kernels.legs.departure_events import Times
 from ...kernels.orbits.ephemeris import EPOCH_S, revolution_at
-from ...plan.tows import RemovalFlight, leaving_eccentricity_delta_v, leaving_orbits, removals_of
+from ...plan.after_tows import leaving_eccentricity_delta_v, leaving_orbits, pieced_of
+from ...plan.tows import RemovalFlight, any_from_apogee, removals_of
 from ...problem.drives import Drive
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from .family import FloatArray, PairEnds
+from .family import FloatArray, PairEnds, PiecedEnd
 
 SPARE_S = 7200.0
 """How long before a body is too low its last departure is: legs of a grid leave a lap later."""
@@ -75,7 +76,10 @@ def altitude_limits(instance: Instance, drive: Drive | None) -> AltitudeLimits:
             continue
         until = _above(orbit, eccentricity, sinks_m_s, instance.transfer.min_altitude_m)
         tow = tows.get(body)
-        if tow is not None and tow.burns_m_s is not None:
+        if tow is not None and tow.apogees is not None:
+            # Apogees are those of the part of the eccentricity vector that turns.
+            until = -math.inf if fit is not None and any(fit.eccentricity_offset) else until
+        elif tow is not None and tow.burns_m_s is not None:
             shaped = orbit.semi_major_axis_m, min(eccentricity, MOST_ECCENTRICITY)
             until = min(until, _released_well(*shaped, tow, sinks_m_s, instance.mission.duration_s))
         leave_by[body] = until - SPARE_S + (0.0 if tow is None else tow.time_s)
@@ -212,6 +216,12 @@ class AllEnds:
         self.rule = instance.transfer_rule()
         self.times = _times(instance)
         self.latest_s = instance.mission.duration_s + SLACK_S
+        self._pieced: dict[int, PiecedEnd] = {}
+        tows = removals_of(instance, drive)
+        for body, pieced in pieced_of(instance, tows).items() if self.times else ():
+            pieces = pieced.between(self.times.interval, self.latest_s)
+            on_grid = pieced.on_grid(self.times.step, self.latest_s if self.times.longest else 0.0)
+            self._pieced[body] = PiecedEnd(pieced, pieces, on_grid)
 
     def of(self, i: int, j: int) -> PairEnds:
         """The ends of a pair."""
@@ -229,12 +239,17 @@ class AllEnds:
             min(self.latest_s, float(arrive_by)),
             self.drive,
             self.relaxed,
+            self._pieced.get(i),
         )
 
 
 def is_regular(instance: Instance) -> bool:
-    """Whether departure events are those of two-body motion, with the model's connections."""
-    return instance.dynamics == "two-body" and instance.transfer.departure_spacing_s == 0.0
+    """Whether departure events are those of two-body motion, with the model's connections.
+
+    No tow then ends once a revolution, either.
+    """
+    spacing_s, dynamics = instance.transfer.departure_spacing_s, instance.dynamics
+    return dynamics == "two-body" and spacing_s == 0.0 and not any_from_apogee(instance)
 
 
 def _times(instance: Instance) -> Times | None:
