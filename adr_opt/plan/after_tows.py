@@ -28,7 +28,7 @@ from ..kernels.orbits.ephemeris import EPOCH_S
 from ..problem.drives import Drive
 from ..problem.instance import Instance
 from ..problem.orbit import Orbit
-from .tows import RemovalFlight, removals_of
+from .tows import RemovalFlight, from_apogee, removals_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -118,6 +118,20 @@ def pieced_of(instance: Instance, tows: dict[int, RemovalFlight]) -> dict[int, P
         for body, tow in tows.items()
         if tow.apogees is not None
     }
+
+
+def left_row(instance: Instance, name: str, time_s: float) -> FloatArray | None:
+    """Row of a chaser that leaves a body at a time, (columns + 1,), after a tow from apogee.
+
+    None for a body that is not towed so by impulses.
+    """
+    body = instance.names.index(name)
+    target = (
+        instance.targets[body - instance.first_target] if body >= instance.first_target else None
+    )
+    if target is None or not from_apogee(instance, target):
+        return None
+    return pieced_of(instance, removals_of(instance, None))[body].row_at(time_s)
 
 
 def leaving_orbits(instance: Instance, drive: Drive | None) -> FloatArray:

@@ -3,16 +3,16 @@
 With impulses a tow is flown in the object's plane, in one of two ways:
 
 *Between circles.* Where eccentricity costs less than :data:`APOGEE_M_S`, half an ellipse from the
-circle that the object is planned on (docs/model.md section 1) to that of disposal: two burns against
-the motion, half a revolution apart, begun anywhere. The object is released after the second one. The
-chaser may wait before a tow, but not after it: a tow ends when the next transfer leaves. Where there
-is none, plans have it follow the service at once, and it may be later.
+circle that the object is planned on (docs/model.md section 1) to that of disposal: two burns along
+the motion, half a revolution apart, begun anywhere. The object is released after the second one.
+The chaser may wait before a tow, but not after it: a tow ends when the next transfer leaves. Where
+there is none, plans have it follow the service at once, and it may be later.
 
 *From apogee.* Any other object is towed on its own ellipse, coaxially, and such a tow has its first
-burn at an apogee. So it takes up to a revolution more, in which the chaser waits for the apogee and,
+burn at an apogee. So it takes a revolution more, in which the chaser waits for the apogee and,
 after the last burn, for the next transfer: a chaser that leaves at a time t has begun at the only
-apogee from t − T − P on, before t − T, with T from the first burn to the last and P from one apogee
-to the next. Where it goes on from, :mod:`.after_tows` says.
+apogee after t − T − P, up to t − T, with T from the first burn to the last and P from one apogee to
+the next. Where it goes on from, :mod:`.after_tows` says.
 
 With low thrust a tow is a spiral, against the motion wherever there is sunlight: ΔV is the
 difference of both circular speeds, and it takes as long as with the heaviest chaser and the longest

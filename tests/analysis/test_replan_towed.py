@@ -19,9 +19,9 @@ from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly
 from adr_opt.kernels.orbits import columns, ephemeris
 from adr_opt.legs.connection_finder import ConnectionFinder
+from adr_opt.plan.after_tows import leaving_orbits
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Leg, Plan
-from adr_opt.plan.after_tows import leaving_orbits
 from adr_opt.problem.chasers import InOrbit
 from adr_opt.problem.instance import Instance
 

@@ -255,7 +255,14 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
         opens = rng.uniform(0.0, 40.0) * DAY_S
         zones = np.array([[low, low + 20e3, opens, opens + rng.uniform(0.0, 10.0) * DAY_S]])
         begins, ends, _ = drift_grid.of_pair(
-            first[None], second, RULE._replace(zones=zones), times, duration, 0.0, none, np.empty(0, np.bool_)
+            first[None],
+            second,
+            RULE._replace(zones=zones),
+            times,
+            duration,
+            0.0,
+            none,
+            np.empty(0, np.bool_),
         )
         for begin, end in zip(begins * DAY_S, ends * DAY_S, strict=True):
             touches = zones[0, 2] <= end and begin <= zones[0, 3]

@@ -15,7 +15,6 @@ from adr_opt.problem.chasers import Chaser, Expense, TankByMass
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.orbit import Orbit
 
-
 LONGEST_HALF_S = 4000.0
 """Half an ellipse between circles takes less [s]; a tow that waits for an apogee takes longer."""
 

@@ -1,9 +1,9 @@
 """Refinement of one leg: from the docked start via the stand-off to the target; and of tows.
 
-The plan's tows are two burns against the motion between circles, the first half a revolution before
-the second. An osculating orbit is no circle, by kilometres; burns of the same size leave the object
-on an orbit as near to one. Nothing is met at its end, so that there is nothing to correct: the next
-leg begins wherever the tow has led.
+The plan's tows are burns along the motion, two of them half a revolution apart or one at an apogee.
+An osculating orbit is no circle, by kilometres; burns of the same size leave the object on an orbit
+as near to one. Nothing is met at its end, so that there is nothing to correct: the next leg begins
+wherever the tow has led.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def towed(
     name : str
         Of the object.
     planned : sequence of Burn
-        The two burns of the plan.
+        The burns of the plan.
     leaves_s : float
         When the next leg leaves, which is the end of the tow up to rounding: no later [s].
 
@@ -62,11 +62,22 @@ def towed(
     for burn in planned:
         time_s = min(burn.time_s, leaves_s)
         state, now = moved(state, time_s - now, bodies.gravity), time_s
-        impulse = -burn.size_m_s * state[3:] / np.linalg.norm(state[3:])
-        state[3:] += impulse
+        if burn.phase == "tow":
+            impulse = along(burn, state[3:])
+            state[3:] += impulse
+            released = recorded("release", now, state)
+        else:
+            impulse = along(burn, state[3:])
         made = tuple(impulse.tolist())
-        burns.append(RefinedBurn(time_s=time_s, delta_v_m_s=made, phase="tow"))
-    return RefinedTow(burns=tuple(burns), released=recorded("release", now, state))
+        burns.append(RefinedBurn(time_s=time_s, delta_v_m_s=made, phase=burn.phase))
+    return RefinedTow(burns=tuple(burns), released=released)
+
+
+def along(burn: Burn | RefinedBurn, velocity: Array) -> Array:
+    """A burn as large as planned, with or against a velocity as the plan has it, (3,) [m/s]."""
+    size = math.copysign(burn.size_m_s, float(velocity @ np.array(burn.delta_v_m_s)))
+    impulse: Array = size * velocity / np.linalg.norm(velocity)
+    return impulse
 
 
 HELPERS = 24
@@ -119,7 +130,7 @@ def refine_leg(
     if led is None:
         start = bodies.state(leg.origin, start_s)
     else:
-        start = moved(state_of(led.released), start_s - led.released.time_s, bodies.gravity)
+        start = moved(state_of(led.onward), start_s - led.released.time_s, bodies.gravity)
     course = LegEnds(
         start,
         bodies.following(leg.destination, standoff_s, length),

@@ -25,7 +25,7 @@ SPIRAL_STEPS = 2000
 """Number of steps of a spiral."""
 
 MOST_LOST_M_S = 1.0
-"""From what v e / 2 on a tow between circles is not accurate enough: then it begins at an apogee."""
+"""Cost of eccentricity v e / 2 from which a tow has to begin at an apogee [m/s]."""
 
 SAME_LAP = 1e-6
 """Part of a revolution by which a time before an apogee still counts as that of the apogee."""
@@ -85,7 +85,7 @@ class Towed(NamedTuple):
     oblateness_m2: float
 
     def begins_s(self, ends_s: float) -> float:
-        """First burn of a tow that is over by a time: that long before, or at the last apogee [s]."""
+        """First burn of a tow that is over by a time: as long before, or at an apogee [s]."""
         begins_s = ends_s - self.flight_s
         if not self.period_s:
             return begins_s

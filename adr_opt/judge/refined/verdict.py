@@ -179,11 +179,12 @@ def _check_tow(
             has = "has no" if planned is None else "has a"
             yield Violation(number, "tow", f"{field}: the plan {has} tow there")
         return
-    if abs(found.released.time_s - planned.end_s) > TIME_TOLERANCE_S:
+    ends_s = planned.burns[-1].time_s if planned.burns else planned.end_s
+    if abs(found.released.time_s - ends_s) > TIME_TOLERANCE_S:
         yield Violation(
             number,
             "tow",
-            f"{field}: releases at {found.released.time_s!r}, but in the plan at {planned.end_s!r}",
+            f"{field}: releases at {found.released.time_s!r}, but in the plan at {ends_s!r}",
         )
     if (found.thrust is None) != bool(planned.burns):
         yield Violation(number, "tow", f"{field}: has burns, or thrust, where the plan has not")
@@ -198,6 +199,8 @@ def _check_tow(
                 f"{planned.delta_v_m_s!r}",
             )
     else:
+        if [made.phase for made in found.burns] != [wanted.phase for wanted in planned.burns]:
+            yield Violation(number, "tow", f"{field}: has other burns than in the plan")
         for made, wanted in zip(found.burns, planned.burns, strict=False):
             late = abs(made.time_s - wanted.time_s)
             off = abs(made.size_m_s - wanted.size_m_s)

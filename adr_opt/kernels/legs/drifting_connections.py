@@ -11,7 +11,7 @@ import numpy as np
 from ..core.compile import kernel
 from ..core.lists import chosen, filled, ranks, rising, wider
 from ..orbits.ephemeris import EPOCH_S
-from . import co_elliptic, drift_grid, drift_pair
+from . import co_elliptic, drift_grid
 from .found import DRIFT, SHORT, ConnectionArrays
 from .short_transfers import Piece, short
 

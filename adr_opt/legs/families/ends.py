@@ -202,6 +202,8 @@ class AllEnds:
         Of the chasers that the legs are for.
     relaxed : bool
         As in :class:`PairEnds`.
+    pieced : dict of int to PiecedEnd
+        Bodies that are left piece by piece of time, by number.
     """
 
     def __init__(
@@ -216,12 +218,12 @@ class AllEnds:
         self.rule = instance.transfer_rule()
         self.times = _times(instance)
         self.latest_s = instance.mission.duration_s + SLACK_S
-        self._pieced: dict[int, PiecedEnd] = {}
+        self.pieced: dict[int, PiecedEnd] = {}
         tows = removals_of(instance, drive)
         for body, pieced in pieced_of(instance, tows).items() if self.times else ():
             pieces = pieced.between(self.times.interval, self.latest_s)
             on_grid = pieced.on_grid(self.times.step, self.latest_s if self.times.longest else 0.0)
-            self._pieced[body] = PiecedEnd(pieced, pieces, on_grid)
+            self.pieced[body] = PiecedEnd(pieced, pieces, on_grid)
 
     def of(self, i: int, j: int) -> PairEnds:
         """The ends of a pair."""
@@ -239,7 +241,7 @@ class AllEnds:
             min(self.latest_s, float(arrive_by)),
             self.drive,
             self.relaxed,
-            self._pieced.get(i),
+            self.pieced.get(i),
         )
 
 
