@@ -121,21 +121,6 @@ ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)
 Removal = Literal["visit", "kit", "tow"]
 
 
-class DisposalCircle(Record):
-    """A disposal orbit: the circle of an altitude."""
-
-    circle_m: float
-
-
-class DisposalPerigee(Record):
-    """A disposal orbit: the perigee is lowered to an altitude, and the apogee stays."""
-
-    perigee_m: float
-
-
-Disposal = DisposalCircle | DisposalPerigee
-
-
 class Station(Record):
     """A refuelling station, where chasers may start; without an orbit if connections are given.
 

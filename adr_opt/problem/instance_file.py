@@ -28,7 +28,7 @@ from .agreement import (
     check_stations,
     check_thrust,
 )
-from .bodies import DisposalCircle, Station, Target
+from .bodies import Station, Target
 from .chasers import Chaser, TankByMass
 from .ephemerides import EphemeridesFile
 from .frame import Epoch, Frame
@@ -188,13 +188,6 @@ class InstanceFile(Record):
         if not is_by_model or duration_s == 0.0:
             return 0.0
         return self.transfer.delta_v_resolution_m_s / duration_s
-
-    def disposal_of(self, target):
-        altitude = self.mission.disposal_altitude_m
-        return None if altitude is None else DisposalCircle(circle_m=altitude)
-
-    def circle_m(self, target):
-        return self.mission.disposal_altitude_m
 
     @property
     def largest_tank_m_s(self) -> float:
