@@ -5,6 +5,8 @@ from __future__ import annotations
 from adr_opt.problem.rules import CAMPAIGNS, FIRST, PLAYED, TOURS
 from adr_opt.run.method_spec import MethodSpec, Practice
 
+PERIGEE = "disposal by perigee"
+
 ON_A_TANK = FIRST | {"visits between refuellings"}
 """What moves, labels and walks of one chaser follow; walks that do not count visits bound those
 that do."""
@@ -12,7 +14,7 @@ that do."""
 AUTO = MethodSpec(
     "auto",
     "solvers.planners.auto:auto",
-    follows=ON_A_TANK | CAMPAIGNS | TOURS | {"functions of time"},
+    follows=ON_A_TANK | CAMPAIGNS | TOURS | {"functions of time", PERIGEE},
     starts=True,
     uses_cores=True,
     shows_evidence=True,
@@ -25,7 +27,7 @@ AUTO = MethodSpec(
 EXACT = MethodSpec(
     "exact",
     "solvers.planners.exact:exact",
-    follows=ON_A_TANK | CAMPAIGNS | TOURS | {"functions of time"},
+    follows=ON_A_TANK | CAMPAIGNS | TOURS | {"functions of time", PERIGEE},
     starts=True,
     uses_cores=True,
     shows_evidence=True,
@@ -35,13 +37,16 @@ EXACT = MethodSpec(
 )
 
 GREEDY = MethodSpec(
-    "greedy", "solvers.planners.greedy:greedy", follows=ON_A_TANK | CAMPAIGNS, on_demand=True
+    "greedy",
+    "solvers.planners.greedy:greedy",
+    follows=ON_A_TANK | CAMPAIGNS | {PERIGEE},
+    on_demand=True,
 )
 
 GREEDY_GUARDED = MethodSpec(
     "greedy-guarded",
     "solvers.planners.greedy:greedy_guarded",
-    follows=ON_A_TANK | CAMPAIGNS,
+    follows=ON_A_TANK | CAMPAIGNS | {PERIGEE},
     on_demand=True,
 )
 

@@ -92,10 +92,11 @@ class RefinedState(Record):
 class RefinedTow(Record):
     """Tow of an object in true dynamics: from its own orbit, by burns or by a spiral.
 
-    Burns are made at the plan's times and as large, along the motion that there is; one of the
-    phase ``return`` the chaser makes alone. A spiral has none: its ``thrust`` is that of the
-    chaser, with ``mass_kg`` of chaser and object together, and ``planned_delta_v_m_s`` what the
-    plan has for it. ``released`` is where both are at the release.
+    Burns are made at the plan's times and as large, along the motion that there is; those that
+    lower a perigee are aimed at it, with ``planned_delta_v_m_s`` for what the plan has, and one of
+    the phase ``return`` the chaser makes alone. A spiral has none: its ``thrust`` is that of the
+    chaser, with ``mass_kg`` of chaser and object together, and ``planned_delta_v_m_s`` as well.
+    ``released`` is where both are at the release.
     """
 
     burns: Annotated[tuple[RefinedBurn, ...], Field(strict=False, max_length=2)]
@@ -113,8 +114,8 @@ class RefinedTow(Record):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        if (self.thrust is None) != (self.planned_delta_v_m_s is None):
-            raise ValueError("field planned_delta_v_m_s: a spiral needs it, and burns have none")
+        if self.thrust is not None and self.planned_delta_v_m_s is None:
+            raise ValueError("field planned_delta_v_m_s: a spiral needs it")
         if self.thrust is not None:
             windows = self.thrust.windows_s
             if self.burns or not windows:

@@ -377,7 +377,13 @@ TOGETHER = frozenset(
 )
 """What planners follow each alone; judges follow them together as well."""
 
-JUDGED = FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time", "visits between refuellings"}
+JUDGED = (
+    FIRST
+    | CAMPAIGNS
+    | TOURS
+    | TOGETHER
+    | {"functions of time", "visits between refuellings", "disposal by perigee"}
+)
 """What both judges state once more, and all follow that make, hold, compare and show what planners
 are told and plan: a rule comes in here by hand, with its judges."""
 

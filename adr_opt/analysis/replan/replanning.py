@@ -21,7 +21,7 @@ from .starts import former_orders, in_order
 DEFAULT_TIME_LIMIT_S = 2.0
 
 
-FOLLOWS = Follower("replan", FIRST | CAMPAIGNS | {"functions of time"})
+FOLLOWS = Follower("replan", FIRST | CAMPAIGNS | {"functions of time", "disposal by perigee"})
 
 
 def replan(  # noqa: PLR0913

@@ -72,7 +72,8 @@ REFINED = Follower(
     FIRST - {"given connections", "bodies without an orbit"}
     | CAMPAIGNS
     | TOURS
-    | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"},
+    | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"}
+    | {"disposal by perigee"},
     "its plans have no trajectory",
 )
 """Who flies refined plans, and who refines."""

@@ -199,11 +199,20 @@ def _check_tow(
                 f"{planned.delta_v_m_s!r}",
             )
     else:
+        aimed = found.planned_delta_v_m_s is not None
+        if aimed and abs(found.planned_m_s - planned.delta_v_m_s) > SAME_M_S:
+            yield Violation(
+                number,
+                "tow",
+                f"{field}: planned_delta_v_m_s = {found.planned_m_s!r}, but in the plan "
+                f"{planned.delta_v_m_s!r}",
+            )
         if [made.phase for made in found.burns] != [wanted.phase for wanted in planned.burns]:
             yield Violation(number, "tow", f"{field}: has other burns than in the plan")
         for made, wanted in zip(found.burns, planned.burns, strict=False):
             late = abs(made.time_s - wanted.time_s)
-            off = abs(made.size_m_s - wanted.size_m_s)
+            # A lowered perigee is aimed at by burns of their own size.
+            off = 0.0 if aimed else abs(made.size_m_s - wanted.size_m_s)
             if late > TIME_TOLERANCE_S or off > SAME_M_S:
                 yield Violation(
                     number,
@@ -221,7 +230,8 @@ UNJUDGED = "unjudged"
 
 
 FOLLOWS = Follower(
-    "check of refined plans", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"}
+    "check of refined plans",
+    FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time", "disposal by perigee"},
 )
 
 

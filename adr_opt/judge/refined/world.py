@@ -266,10 +266,17 @@ def begun(world: FreeMotion, bodies: BodyStates, leg: RefinedLeg, instance: Inst
     if leg.tow_before is None:
         return bodies.state(leg.origin, now)
     led = Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
-    onward = led.state.copy()
-    for burn in leg.tow_before.burns:
-        onward[3:] += burn.delta_v_m_s if burn.phase == "return" else (0.0, 0.0, 0.0)
-    return world.arc(onward, leg.tow_before.released.time_s, now)[0]
+    alone = onward(led.state, leg.tow_before)
+    return world.arc(alone, leg.tow_before.released.time_s, now)[0]
+
+
+def onward(state: Array, tow: RefinedTow) -> Array:
+    """State of the chaser after a release: with the burn back that it makes alone."""
+    alone = state.copy()
+    for burn in tow.burns:
+        if burn.phase == "return":
+            alone[3:] += burn.delta_v_m_s
+    return alone
 
 
 def reported_of(instance: Instance, refined: RefinedPlan) -> ReportedStates | None:
