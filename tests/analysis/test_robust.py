@@ -257,7 +257,7 @@ def _best(facts: MissionFacts, uncertainty: Uncertainty, worths: dict[int, float
 
 
 @pytest.mark.parametrize(
-    ("seed", "count", "most_missed"), [(3, 4, 1), pytest.param(4, 60, 12, marks=pytest.mark.slow)]
+    ("seed", "count", "most_missed"), [(3, 2, 1), pytest.param(4, 60, 12, marks=pytest.mark.slow)]
 )
 def test_bounds_hold_for_every_plan_that_keeps_its_promise(
     seed: int, count: int, most_missed: int

@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from seeds import over_seeds
+from against_enumeration import held, held_costs
+from random_rules import disposing_campaign, disposing_mission
+from seeds import over_kinds, over_seeds
 from towed_fields import field
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.fly.flight import fly
+from adr_opt.fly.flight import fly, fly_refined
+from adr_opt.fly.refine import refine
+from adr_opt.fly.refine.bodies import state_of
+from adr_opt.fly.refine.one_leg import lowest_m
+from adr_opt.fly.refine.troubles import FIELDS
 from adr_opt.fly.trajectory import sample
 from adr_opt.fly.trajectory.bodies import body_states
 from adr_opt.fly.trajectory.kepler import propagate
 from adr_opt.judge.check.tow import towed_bodies
+from adr_opt.judge.refined.release import released
+from adr_opt.judge.refined.verdict import check_refined
 from adr_opt.kernels.orbits import ephemeris
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.after_tows import pieced_of
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.tows import APOGEE_M_S, burn_vectors, removals_of
@@ -95,18 +105,64 @@ def test_chasers_leave_once_the_tow_has_ended(dynamics: str) -> None:
             assert position / tow.radius_m == pytest.approx(there, abs=1e-9)
 
 
-def planned(seed: int, dynamics: str) -> tuple[Instance, Plan]:
+DISPOSALS = {
+    "circle": {"circle_m": 450e3},
+    "raised": {"circle_m": 900e3},
+    "perigee": {"perigee_m": 340e3},
+    "re-entry": {"perigee_m": 50e3},
+}
+
+
+@cache
+def planned(dynamics: str, disposal: str = "circle") -> tuple[Instance, Plan]:
     """A plan of a field of eccentric objects, with tows."""
-    instance = eccentric(seed, dynamics, 0.01).with_limits(duration_s=4 * 86400.0)
+    instance = eccentric(0, dynamics, 0.01).with_limits(duration_s=4 * 86400.0)
+    instance = instance.replace(mission=instance.mission.replace(disposal=DISPOSALS[disposal]))
     plan = adr_opt.solve(instance, "greedy").plan
     assert plan is not None
     return instance, plan
 
 
+@over_kinds("seeds", mission=(range(300), 4))
+@pytest.mark.parametrize("method", ["auto", "greedy"])
+def test_plans_of_eccentric_objects_are_the_best(method: str, seeds: range) -> None:
+    """Enumeration knows nothing above what is proven, and `check` finds nothing in what is made."""
+    held([Problem(disposing_mission(seed)) for seed in seeds], method)
+
+
+@over_kinds("seeds", campaign=(range(300), 4))
+def test_campaigns_of_eccentric_objects_are_the_best(seeds: range) -> None:
+    """The same of several chasers, also with kits, of the cost as well."""
+    held_costs([Problem(disposing_campaign(seed)) for seed in seeds])
+
+
+@over_seeds(range(40), gate=6)
+def test_a_burn_at_apogee_leads_to_the_perigee(*, seed: int) -> None:
+    """One burn leaves the object with its perigee there, and a second one the chaser with its own."""
+    instance = eccentric(seed, most=0.3)
+    wanted = float(np.random.default_rng([3, seed]).uniform(-100e3, 500e3))
+    mission = instance.mission.replace(disposal={"perigee_m": max(wanted, 1.0)})
+    instance = instance.replace(mission=mission)
+    rows, least = instance.orbits(), EARTH_RADIUS_M + instance.transfer.min_altitude_m
+    for body, tow in removals_of(instance, None).items():
+        begins_s = tow.begins_s(float(instance.mission.duration_s))
+        first, *back = burn_vectors(rows[body], tow, begins_s)
+        name = instance.names[body]
+        (position,), (velocity,) = body_states(instance, name, begins_s, true_orbits=True)
+        low, high = apsides(position, velocity)
+        due = min(EARTH_RADIUS_M + max(wanted, 1.0), low)
+        assert apsides(position, velocity + first) == pytest.approx((due, high), abs=1.0)
+        assert (len(back) == 1) == (due < least) == (tow.back_m_s > 0.0)
+        ended = velocity + np.sum([first, *back], axis=0)
+        assert apsides(position, ended) == pytest.approx((max(due, least), high), abs=1.0)
+        assert tow.back_m_s == pytest.approx(math.fsum(map(np.linalg.norm, back)), abs=1e-9)
+
+
+@pytest.mark.parametrize("disposal", DISPOSALS)
 @pytest.mark.parametrize("dynamics", ["two-body", "j2"])
-def test_plans_with_tows_from_apogee_pass_and_fly(dynamics: str) -> None:
+def test_plans_with_tows_from_apogee_pass_and_fly(dynamics: str, disposal: str) -> None:
     """`check` finds nothing, legs after such tows arrive as planned, and times follow on."""
-    instance, plan = planned(0, dynamics)
+    instance, plan = planned(dynamics, disposal)
     assert adr_opt.check(instance, plan) == ()
     assert len(plan.lead_ins) >= 1
     flight = fly(instance, plan)
@@ -114,7 +170,7 @@ def test_plans_with_tows_from_apogee_pass_and_fly(dynamics: str) -> None:
     for leg, following in pairwise(plan.legs):
         if leg.tow is None:
             continue
-        begin, end = leg.tow.burns
+        begin, end = leg.tow.burns[0], leg.tow.burns[-1]
         assert leg.end_s <= begin.time_s + 1e-6
         assert leg.tow.end_s == pytest.approx(following.departure_s, abs=1e-6)
         assert end.time_s <= following.leaves_s + 1e-6
@@ -123,9 +179,41 @@ def test_plans_with_tows_from_apogee_pass_and_fly(dynamics: str) -> None:
         assert one.end_s == pytest.approx(other.start_s, abs=1e-3)
 
 
+@pytest.mark.parametrize("disposal", DISPOSALS)
+def test_refined_tows_end_where_they_should(disposal: str) -> None:
+    """Flown under J2 circles and perigees are met, the chaser comes back, and the judge agrees."""
+    instance, plan = planned("j2", disposal)
+    one = refine(instance, plan)
+    assert one.status == "complete"
+    assert check_refined(instance, plan, one) == ()
+    assert fly_refined(instance, one).holds
+    least = EARTH_RADIUS_M + instance.transfer.min_altitude_m
+    for leg in one.legs:
+        for tow in leg.removals:
+            lowest = lowest_m(state_of(tow.released), one.gravity)
+            if "perigee_m" in DISPOSALS[disposal]:
+                due = EARTH_RADIUS_M + DISPOSALS[disposal]["perigee_m"]
+                assert lowest == pytest.approx(due, abs=20.0)
+            else:
+                orbit = released(state_of(tow.released), FIELDS[one.gravity])
+                assert orbit.altitude_m == pytest.approx(DISPOSALS[disposal]["circle_m"], abs=2e3)
+                assert orbit.eccentricity < 5e-4
+            assert lowest_m(state_of(tow.onward), one.gravity) > least
+
+
+def test_the_judge_of_refined_plans_sees_another_perigee() -> None:
+    """A refined tow that leads elsewhere than to the perigee of its target is found."""
+    instance, plan = planned("j2", "re-entry")
+    one = refine(instance, plan)
+    for perigee_m, seen in ((50e3 + 9e3, False), (50e3 + 11e3, True)):
+        mission = instance.mission.replace(disposal={"perigee_m": perigee_m})
+        found = check_refined(instance.replace(mission=mission), plan, one)
+        assert ("release" in {one.rule for one in found}) == seen
+
+
 def test_check_sees_a_tow_that_begins_elsewhere() -> None:
     """A tow whose burns are moved off the apogee is found, and one by burns between circles."""
-    instance, plan = planned(0, "j2")
+    instance, plan = planned("j2")
     at = next(n for n, leg in enumerate(plan.legs) if leg.tow is not None)
     tow = plan.legs[at].tow
     assert tow is not None

@@ -66,6 +66,7 @@ INSTANCES = {
     "nominal": lambda: adr_opt.generate("nominal", 0, targets=25),
     "whole": lambda: adr_opt.generate("nominal", 0),
 }
+FEW = ("fractional", "drifting")
 WHOLE = pytest.param("whole", marks=pytest.mark.slow)
 
 planners = pytest.mark.parametrize("method", names(PLANNERS))
@@ -405,7 +406,14 @@ def test_planner_interrupted_at_once(method: str, name: str) -> None:
     assert_sound(result, name)
 
 
-@pytest.mark.parametrize("name", [*SMALL, "nominal"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(pytest.param(name, marks=pytest.mark.slow) for name in SMALL if name not in FEW),
+        *FEW,
+        "nominal",
+    ],
+)
 @pytest.mark.parametrize("method", sorted(set(names(PLANNERS)) - {"greedy"}))
 def test_out_of_time_a_planner_is_as_good_as_guarded_greedy(method: str, name: str) -> None:
     """Through the front door, no time at all still gives the guarded greedy plan, and at once.

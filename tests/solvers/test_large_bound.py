@@ -100,20 +100,17 @@ def test_least_times_bound_every_plan(draw, seeds):
     assert tight > 0 or draw is given_mission  # whose few targets all fit the time, one by one
 
 
-@pytest.mark.parametrize(
-    "draw",
-    [
-        mixed_campaign,
-        lambda seed: mixed_campaign(seed, drifting_mission),
-        lambda seed: mixed_campaign(seed, given_field),
-        lambda seed: carrying(mixed_campaign(seed), seed),
-        lambda seed: towing(mixed_campaign(seed), seed),
-    ],
-    ids=["plain", "drifting", "given", "laden", "towing"],
+@over_kinds(
+    "draw, seeds",
+    plain=(mixed_campaign, range(15), 5),
+    drifting=(lambda seed: mixed_campaign(seed, drifting_mission), range(15), 5),
+    given=(lambda seed: mixed_campaign(seed, given_field), range(15), 5),
+    laden=(lambda seed: carrying(mixed_campaign(seed), seed), range(15), 5),
+    towing=(lambda seed: towing(mixed_campaign(seed), seed), range(15), 5),
 )
-def test_least_times_bound_every_plan_of_a_campaign(draw):
+def test_least_times_bound_every_plan_of_a_campaign(draw, seeds):
     """No plan of several chasers is worth more than services at least time and ΔV of all tanks."""
-    for seed in range(SEEDS // 4):
+    for seed in seeds:
         campaign = Problem(draw(seed))
         prizes, _ = brute_force_campaign(campaign)
         assert campaign.shown(floor_bound(campaign)) >= prizes - 1e-9, seed
