@@ -179,14 +179,15 @@ def _field(
     content: Schema, schema: Schema, path: str, of: list[str] | None, *, must: bool
 ) -> Iterator[dict[str, Any]]:
     """A field, or those within it."""
-    several: list[Schema] = content.get("anyOf") or content.get("oneOf") or []
-    kinds = [_resolved(each, schema) for each in several]
+    kinds = [
+        _resolved(inner, schema) for each in _kinds(content) for inner in _kinds(each) or [each]
+    ]
     kept = [each for each in kinds if each.get("type") != "null"]
     optional = len(kept) < len(kinds)
     default = content.get("default")
     if len(kept) > 1:
         names = [_variant(each) for each in kept]
-        yield _told(path, "choice", of, default=default, optional=False, choices=names)
+        yield _told(path, "choice", of, default=default, optional=optional, choices=names)
         for name, each in zip(names, kept, strict=True):
             if "properties" in each:
                 yield from _inside(each, schema, f"{path}.", [path, name])
@@ -208,6 +209,12 @@ def _field(
     else:
         kind = KINDS[inner["type"]]
         yield _told(path, kind, of, default=default, optional=optional, **limits, **whole)
+
+
+def _kinds(content: Schema) -> list[Schema]:
+    """Alternatives of a field, if it has some."""
+    found: list[Schema] = content.get("anyOf") or content.get("oneOf") or []
+    return found
 
 
 def _told(path: str, kind: str, of: list[str] | None, **more: Any) -> dict[str, Any]:
