@@ -90,10 +90,12 @@ class Pieced(NamedTuple):
             perigee=perigee - perigee_rate * ended_s,
             oblateness_m2=self.oblateness_m2,
         )
-        return as_left(np.array([made]))[0]
+        row: FloatArray = as_left(np.array([made]))[0]
+        return row
 
     def between(self, spacing_s: float, until_s: float) -> Pieces:
         """Pieces up to a time, of which each begins at least a spacing after the one before [s]."""
+        assert self.tow.apogees is not None
         period_s, lap = self.tow.apogees.period_s, 0
         first_s = self.ended_s(period_s)
         begins = []

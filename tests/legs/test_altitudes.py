@@ -12,7 +12,8 @@ from towed_fields import field
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.judge.check.altitude import Heights
-from adr_opt.judge.check.tow import released_between, towed_bodies
+from adr_opt.judge.check.tow import released_between
+from adr_opt.judge.check.towed import towed_bodies
 from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.legs.families.ends import SPARE_S, AltitudeLimits, altitude_limits
 from adr_opt.plan.tows import removals_of

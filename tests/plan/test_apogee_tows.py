@@ -18,12 +18,12 @@ from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.fly.flight import fly, fly_refined
 from adr_opt.fly.refine import refine
 from adr_opt.fly.refine.bodies import state_of
-from adr_opt.fly.refine.one_leg import lowest_m
+from adr_opt.fly.refine.tow import lowest_m
 from adr_opt.fly.refine.troubles import FIELDS
 from adr_opt.fly.trajectory import sample
 from adr_opt.fly.trajectory.bodies import body_states
 from adr_opt.fly.trajectory.kepler import propagate
-from adr_opt.judge.check.tow import towed_bodies
+from adr_opt.judge.check.towed import towed_bodies
 from adr_opt.judge.refined.release import released
 from adr_opt.judge.refined.verdict import check_refined
 from adr_opt.kernels.orbits import ephemeris

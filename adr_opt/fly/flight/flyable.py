@@ -194,6 +194,7 @@ def _refuse_tow(number: int, leg: Leg, due: int | None, by_spiral: bool) -> None
                 f"{leg.end_s!r}; correct it"
             )
         return
+    assert due is not None  # there is a tow
     times = [burn.time_s for burn in leg.tow.burns]
     if len(times) != due or not leg.end_s - TIME_TOLERANCE_S <= times[0] <= times[-1]:
         raise InputError(

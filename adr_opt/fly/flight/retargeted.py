@@ -28,8 +28,9 @@ from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ..refine.leg import FlownImpulses, LegEnds, NoWay, close
-from ..refine.one_leg import aim, along, planned_angles, with_a_middle
+from ..refine.one_leg import aim, planned_angles, with_a_middle
 from ..refine.own_burns import cheapest_near
+from ..refine.tow import along
 
 Array = npt.NDArray[np.float64]
 

@@ -23,7 +23,7 @@ from ..flight.refined_result import MOST_RELEASE_ECCENTRICITY, MOST_RELEASE_OFF_
 from ..flight.result import tank_name
 from ..flight.tanks import legs_by_tank, tanks_of
 from .bodies import Whereabouts, near_circle, state_of
-from .one_leg import towed
+from .tow import towed
 
 
 class Strayed(NamedTuple):

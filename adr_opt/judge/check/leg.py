@@ -32,7 +32,7 @@ from .eccentric import StatedSequence, matching_cost
 from .figures import check_burns, check_costs
 from .given import check_given
 from .low_thrust import check_low_thrust
-from .tow import Towed, towed_bodies
+from .towed import Towed, towed_bodies
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 from .zone_crossings import crossed
 

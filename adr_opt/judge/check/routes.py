@@ -20,7 +20,8 @@ from .altitude import Heights
 from .leg import Physics, check_transfer
 from .shared import Drawn, check_apart, launch_times
 from .tank import TankLevel
-from .tow import Towed, check_tow
+from .tow import check_tow
+from .towed import Towed
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 from .zone_crossings import crossed
 

@@ -209,22 +209,23 @@ def _check_released(
         return
     disposal = judge.instance.disposal_of(judge.target(name))
     if isinstance(disposal, DisposalPerigee):
-        wanted, said = (disposal.perigee_m,), "a perigee of"
-        found = (_lap(judge, led.state, tow) - EARTH_RADIUS_M,)
+        wanted, said = disposal.perigee_m, "a perigee of"
+        found = [_lap(judge, led.state, tow) - EARTH_RADIUS_M]
         # One that is lower from the beginning stays as it is.
-        found = wanted if found[0] < wanted[0] and tow.delta_v_m_s == 0.0 else found
+        if found[0] < wanted and tow.delta_v_m_s == 0.0:
+            return
     else:
+        wanted, said = judge.instance.circle_m(name), "the circle at"
         orbit = released(prograde(led.state), judge.world.zonals)
         axis, e = EARTH_RADIUS_M + orbit.altitude_m, orbit.eccentricity
-        found = tuple(axis * (1.0 + side * e) - EARTH_RADIUS_M for side in (-1.0, 1.0))
-        wanted, said = (judge.instance.circle_m(name),), "the circle at"
-    if max(abs(each - wanted[0]) for each in found) > MOST_RELEASE_OFF_M:
+        found = [axis * (1.0 + side * e) - EARTH_RADIUS_M for side in (-1.0, 1.0)]
+    if max(abs(each - wanted) for each in found) > MOST_RELEASE_OFF_M:
         there = " × ".join(f"{each / 1e3:.1f}" for each in found)
         yield Violation(
             number,
             "release",
             f"the object is released at {there} km, more than {MOST_RELEASE_OFF_M / 1e3:g} km off "
-            f"{said} {wanted[0] / 1e3:g} km",
+            f"{said} {wanted / 1e3:g} km",
         )
 
 

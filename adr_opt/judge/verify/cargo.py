@@ -22,7 +22,7 @@ from ...common.constants import SLACK_M_S
 from ...kernels.core.compile import inlined
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.instance import Instance
-from ..check.tow import Towed
+from ..check.towed import Towed
 
 FloatArray = npt.NDArray[np.float64]
 

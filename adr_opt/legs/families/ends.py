@@ -219,11 +219,12 @@ class AllEnds:
         self.times = _times(instance)
         self.latest_s = instance.mission.duration_s + SLACK_S
         self.pieced: dict[int, PiecedEnd] = {}
-        tows = removals_of(instance, drive)
-        for body, pieced in pieced_of(instance, tows).items() if self.times else ():
-            pieces = pieced.between(self.times.interval, self.latest_s)
-            on_grid = pieced.on_grid(self.times.step, self.latest_s if self.times.longest else 0.0)
-            self.pieced[body] = PiecedEnd(pieced, pieces, on_grid)
+        if self.times is not None:
+            interval_s, step_s, longest_s, *_ = self.times
+            until_s = self.latest_s if longest_s > 0.0 else 0.0
+            for body, pieced in pieced_of(instance, removals_of(instance, drive)).items():
+                pieces = pieced.between(interval_s, self.latest_s)
+                self.pieced[body] = PiecedEnd(pieced, pieces, pieced.on_grid(step_s, until_s))
 
     def of(self, i: int, j: int) -> PairEnds:
         """The ends of a pair."""
