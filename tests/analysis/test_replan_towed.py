@@ -125,7 +125,7 @@ def as_enumerated(instance: Instance) -> Field:
     def after(name: str, left_m_s: float) -> float:
         if name not in tows:
             return left_m_s
-        _, delta_v, mass_kg = tows[name]
+        _, delta_v, mass_kg, _ = tows[name]
         both_kg = dry * math.exp(left_m_s / exhaust) + mass_kg
         kept_kg = both_kg * math.exp(-delta_v / exhaust) - mass_kg
         return exhaust * math.log(max(kept_kg, 1e-6) / dry)

@@ -46,7 +46,7 @@ def connections_of(
     shorts = drifting_connections.short_ones(i, j, extra_m_s, *rest)
     if times.longest < times.step:
         return shorts
-    return drifting_connections.with_drifts(i, j, *rest, shorts)
+    return drifting_connections.with_drifts(i[None], j, *rest, shorts)
 
 
 def heights(i: FloatArray, j: FloatArray, times: FloatArray) -> FloatArray:
