@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from adr_opt.problem.rules import CAMPAIGNS, FIRST, PLAYED, TOURS
+from adr_opt.problem.rules import CAMPAIGNS, FIRST, PLAYED, RELEASES, TOURS
 from adr_opt.run.method_spec import MethodSpec, Practice
-
-PERIGEE = "disposal by perigee"
 
 ON_A_TANK = FIRST | {"visits between refuellings"}
 """What moves, labels and walks of one chaser follow; walks that do not count visits bound those
@@ -14,7 +12,7 @@ that do."""
 AUTO = MethodSpec(
     "auto",
     "solvers.planners.auto:auto",
-    follows=ON_A_TANK | CAMPAIGNS | TOURS | {"functions of time", PERIGEE},
+    follows=ON_A_TANK | CAMPAIGNS | TOURS | RELEASES | {"functions of time"},
     starts=True,
     uses_cores=True,
     shows_evidence=True,
@@ -27,7 +25,7 @@ AUTO = MethodSpec(
 EXACT = MethodSpec(
     "exact",
     "solvers.planners.exact:exact",
-    follows=ON_A_TANK | CAMPAIGNS | TOURS | {"functions of time", PERIGEE},
+    follows=ON_A_TANK | CAMPAIGNS | TOURS | RELEASES | {"functions of time"},
     starts=True,
     uses_cores=True,
     shows_evidence=True,
@@ -39,14 +37,14 @@ EXACT = MethodSpec(
 GREEDY = MethodSpec(
     "greedy",
     "solvers.planners.greedy:greedy",
-    follows=ON_A_TANK | CAMPAIGNS | {PERIGEE},
+    follows=ON_A_TANK | CAMPAIGNS | RELEASES,
     on_demand=True,
 )
 
 GREEDY_GUARDED = MethodSpec(
     "greedy-guarded",
     "solvers.planners.greedy:greedy_guarded",
-    follows=ON_A_TANK | CAMPAIGNS | {PERIGEE},
+    follows=ON_A_TANK | CAMPAIGNS | RELEASES,
     on_demand=True,
 )
 

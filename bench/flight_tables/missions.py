@@ -171,8 +171,8 @@ def releases(catalogue: Path, tows: int = 100) -> None:
     """Where objects of a catalogue are released when their tows are refined and flown under J2.
 
     Neighbours by node are towed two by two, by a chaser that is launched onto the first: once to a
-    circle of 450 km and once down to a perigee of 50 km. Shown are the largest distances of perigee
-    and apogee of the mean orbit from the circle, and of the least radius in the first revolution from
+    circle of 450 km and once down to a perigee of 50 km. Shown are the largest distances of the
+    mean perigee and apogee from the circle, and of the least radius in the first revolution from
     that of the perigee; and the least altitude of chasers, alone and on their legs.
     """
     options = (

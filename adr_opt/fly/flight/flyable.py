@@ -11,7 +11,7 @@ from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...plan.tows import removals_by_name
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, RELEASES, TOURS, Follower
 from ...problem.support import refuse
 
 TOLD_M = 1e3
@@ -73,7 +73,7 @@ REFINED = Follower(
     | CAMPAIGNS
     | TOURS
     | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"}
-    | {"disposal by perigee"},
+    | RELEASES,
     "its plans have no trajectory",
 )
 """Who flies refined plans, and who refines."""

@@ -4,8 +4,8 @@ They also say until when bodies can be met within the limits of altitude (docs/m
 1.5). A chaser passes the perigee of a body on its true orbit, at the size that this has by then.
 Where the perigee is below ``min_altitude_m``, no leg leads there, and where it sinks below, none
 later. A body whose circle is below from the beginning is one that the mission means to meet: then
-the limit is that circle. Neither are objects towed whose release is not near the circle of
-disposal.
+the limit is that circle. Neither do legs lead to objects that would be released too far from the
+circle of disposal, or stay in orbit for too long.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S, SLAC
 from ...kernels.legs.departure_events import Times
 from ...kernels.orbits.ephemeris import EPOCH_S, revolution_at
 from ...plan.after_tows import leaving_eccentricity_delta_v, leaving_orbits, pieced_of
+from ...plan.lifetimes import outliving
 from ...plan.tows import RemovalFlight, any_from_apogee, removals_of
 from ...problem.drives import Drive
 from ...problem.instance import Instance
@@ -86,6 +87,7 @@ def altitude_limits(instance: Instance, drive: Drive | None) -> AltitudeLimits:
         arrive_by[body] = until - SPARE_S - stays_s[body]
         if opens[body] > arrive_by[body]:
             arrive_by[body] = -math.inf
+    arrive_by[list(outliving(instance, drive))] = -math.inf
     for array in (arrive_by, leave_by):
         array.setflags(write=False)
     return AltitudeLimits(arrive_by, leave_by)
