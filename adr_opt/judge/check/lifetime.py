@@ -26,7 +26,7 @@ STEP, MOST_STEPS = 0.05, 20_000
 """Fall of the perigee in a step, in scale heights of the air, and the number of steps."""
 
 BEYOND, NEAR = 1.01, 0.95
-"""Shares of the longest lifetime: above the one an object outstays it, and below the other planners,
+"""Shares of the longest lifetime: above one an object outstays it, and below the other planners,
 whose closed form is up to a few per cent high, do not find that either."""
 
 
