@@ -546,7 +546,7 @@ def towing_mission(seed: int) -> Instance:
 
 
 def disposing(instance: Instance, seed: int) -> Instance:
-    """The same with objects on eccentric orbits, of which some are left by their perigee alone."""
+    """The same with eccentric objects, some left by their perigee alone or for a time at most."""
     rng, targets = np.random.default_rng([16, seed]), []
     least_m = EARTH_RADIUS_M + instance.transfer.min_altitude_m
     for target in instance.targets:
@@ -556,7 +556,10 @@ def disposing(instance: Instance, seed: int) -> Instance:
             orbit = orbit.replace(eccentricity=max(0.9 * e, 0.0))
         own = {"perigee_m": float(rng.uniform(20e3, 600e3))} if rng.random() < 0.5 else None
         targets.append(target.replace(orbit=orbit, disposal=own))
-    return instance.replace(name=f"{instance.name}-disposed-of", targets=tuple(targets))
+    years = float(rng.choice([0.3, 5.0])) if rng.random() < 0.3 else None
+    mission = instance.mission.replace(max_lifetime_years=years)
+    name = f"{instance.name}-disposed-of"
+    return instance.replace(name=name, targets=tuple(targets), mission=mission)
 
 
 def disposing_mission(seed: int) -> Instance:
