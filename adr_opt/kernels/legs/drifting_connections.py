@@ -11,7 +11,7 @@ import numpy as np
 from ..core.compile import kernel
 from ..core.lists import chosen, filled, ranks, rising, wider
 from ..orbits.ephemeris import EPOCH_S
-from . import co_elliptic, drift_grid
+from . import co_elliptic, drift_grid, phasing
 from .found import DRIFT, SHORT, ConnectionArrays
 from .short_transfers import Piece, short
 
@@ -106,7 +106,10 @@ def short_ones(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolutio
     """
     pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, EPOCH_S)
     piece = Piece(0.0, math.inf, times.leave_by)
-    found, order = short(pair, rule, duration, times.interval, times.most, piece, resolution)
+    curves = phasing.curves_of(pair, rule)
+    found, order = short(
+        pair, rule, curves, duration, times.interval, times.most, piece, resolution
+    )
     size = order.size
     _by_departure(found.departure, found.arrival, order)
     arrival = chosen(found.arrival, order, size)
@@ -142,8 +145,12 @@ def short_ones_of_pieces(pieces, orbit_j, extra_delta_v, rule, times, duration, 
         if pieces.since[number] > min(duration, times.leave_by):
             break
         pair = co_elliptic.prepare(pieces.rows[number], orbit_j, extra_delta_v, rule, EPOCH_S)
+        if number == 0:
+            curves = phasing.curves_of(pair, rule)
         piece = Piece(pieces.since[number], pieces.until[number], times.leave_by)
-        found, order = short(pair, rule, duration, times.interval, times.most, piece, resolution)
+        found, order = short(
+            pair, rule, curves, duration, times.interval, times.most, piece, resolution
+        )
         for c in range(order.size):
             if count == departure.size:
                 departure, arrival = wider(departure, count), wider(arrival, count)

@@ -286,13 +286,15 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
 
 
 @kernel
-def short(pair, rule, duration, spacing, most, piece, resolution):
+def short(pair, rule, curves, duration, spacing, most, piece, resolution):
     """Undominated short transfers of a pair.
 
     Parameters
     ----------
     pair : Pair
     rule : TransferRule
+    curves : adr_opt.kernels.legs.phasing.Curves
+        Of the pair; they are the same for all pieces.
     duration : float
         Those that arrive later are left out [s].
     spacing : float
@@ -312,7 +314,7 @@ def short(pair, rule, duration, spacing, most, piece, resolution):
     """
     leave_by = min(piece.leave_by, piece.until)
     half_turns, numbers = events_of(pair, piece.since, min(duration, leave_by), spacing)
-    curves, lap = phasing.curves_of(pair, rule), TURN_RAD / pair.rate_j
+    lap = TURN_RAD / pair.rate_j
     least_turn = least_speed(pair, rule)
     # Events whose planes are near enough, and their flight times in the first row.
     size, bases = 0, np.empty(half_turns.size)
