@@ -15,9 +15,9 @@ from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.fly.flight import TankFlight, fly, fly_refined
 from adr_opt.fly.refine.bodies import state_of
 from adr_opt.fly.refine.tow import lowest_m
-from adr_opt.fly.refine.troubles import FIELDS
 from adr_opt.judge.refined.release import released
 from adr_opt.judge.refined.verdict import check_refined
+from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.plan.refined_plan import RefinedTow
 from adr_opt.problem.bodies import Target
 from adr_opt.problem.transfer_sizes import transfers_for

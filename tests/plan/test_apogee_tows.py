@@ -19,7 +19,6 @@ from adr_opt.fly.flight import fly, fly_refined
 from adr_opt.fly.refine import refine
 from adr_opt.fly.refine.bodies import state_of
 from adr_opt.fly.refine.tow import lowest_m
-from adr_opt.fly.refine.troubles import FIELDS
 from adr_opt.fly.trajectory import sample
 from adr_opt.fly.trajectory.bodies import body_states
 from adr_opt.fly.trajectory.kepler import propagate
@@ -27,6 +26,7 @@ from adr_opt.judge.check.towed import towed_bodies
 from adr_opt.judge.refined.release import released
 from adr_opt.judge.refined.verdict import check_refined
 from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.after_tows import pieced_of
 from adr_opt.plan.plan import Plan
