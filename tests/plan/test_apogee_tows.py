@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from against_enumeration import held, held_costs
-from random_rules import disposing_campaign, disposing_mission
+from random_rules import disposing, disposing_campaign, disposing_mission
 from seeds import over_kinds, over_seeds
 from towed_fields import field
 
@@ -25,8 +25,10 @@ from adr_opt.fly.trajectory.kepler import propagate
 from adr_opt.judge.check.towed import towed_bodies
 from adr_opt.judge.refined.release import released
 from adr_opt.judge.refined.verdict import check_refined
+from adr_opt.judge.verify.sampling import sample_connections
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.kernels.orbits.gravity import FIELDS
+from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.after_tows import pieced_of
 from adr_opt.plan.plan import Plan
@@ -213,6 +215,16 @@ def test_the_judge_of_refined_plans_sees_another_perigee() -> None:
         again = one.replace(instance=told.instance, plan=reference(told))
         found = {each.rule for each in check_refined(other, told, again)}
         assert ("release" in found) == seen
+
+
+@pytest.mark.parametrize("dynamics", ["two-body", "j2"])
+@over_seeds(range(20), gate=2)
+def test_whoever_verifies_finds_the_same_connections(dynamics: str, *, seed: int) -> None:
+    """Connections from such tows can be flown, and none that should be there is missing."""
+    instance = disposing(eccentric(seed, dynamics, 0.02).with_limits(duration_s=2 * 86400.0), seed)
+    sampled = sample_connections(instance, ConnectionFinder(instance), 300, seed)
+    assert sampled.faults == ()
+    assert min(sampled.connections, sampled.departures) > 20
 
 
 def test_check_sees_a_tow_that_begins_elsewhere() -> None:

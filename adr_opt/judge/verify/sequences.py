@@ -123,14 +123,15 @@ def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) ->
     pair = co_elliptic.prepare(*ends, 0.0, rule, ephemeris.EPOCH_S)
     approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
     # Where a tow begins at an apogee the chaser is another body after the next one.
-    ends_s = math.inf
+    since_s, ends_s = 0.0, math.inf
     if i in physics.pieced:
         towed = physics.pieced[i]
+        since_s = towed.time_s  # before which nobody has towed it
         ends_s = towed.begins_s(time) + towed.flight_s + towed.period_s - LEAVING_S
     cheapest: dict[int, tuple[Way, bool]] = {}
     settled = _drifting if instance.dynamics == "j2" else _fixed
     for crossing, laps, departure, met, radius, theta, moved in settled(pair, rule, time):
-        if departure > ends_s:
+        if not since_s <= departure <= ends_s:
             continue
         if zones.is_blocked(pair, rule, laps, radius, departure):
             continue

@@ -105,7 +105,7 @@ class _Limits(NamedTuple):
     most: float
     resolution: float
     since: float
-    until: float
+    last: float
 
 
 class _PlacedEvent(NamedTuple):
@@ -219,7 +219,7 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
     """
     grid, placed, sifted = borrowed(grid), borrowed(placed), borrowed(sifted)
     half_turns, number, place, base = placed
-    duration, most, resolution, since, until = limits
+    duration, most, resolution, since, last = limits
     known, shorts = sifted
     event, lap = number[0], TURN_RAD / pair.rate_j
     approach = rule.approach_revolutions * lap
@@ -270,7 +270,7 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
                 cheapest = min(cheapest, known.delta_v[c])
         listed = max(listed_at(event, departure), 0.0)
         # It may leave a step later.
-        better = better and since <= listed and listed + precession.STEP_S + 1.0 <= until
+        better = better and since <= listed and listed + precession.STEP_S + 1.0 <= last
         if better and best < cheapest - resolution and arrival <= duration:
             shorts.departure[count] = listed
             shorts.arrival[count], shorts.delta_v[count] = arrival, best
