@@ -33,8 +33,9 @@ class ShortLegs(LegFamily):
         if ends.times is None:
             made = regular.of_pair(*pair, ends.latest_s, resolution_m_s)
         elif ends.pieces is not None:
+            # Sifted once, when they are together: a saving counts against all pieces.
             every = drifting_connections.short_ones_of_pieces(
-                ends.pieces.pieces, *pair[1:], ends.times, ends.latest_s, resolution_m_s
+                ends.pieces.pieces, *pair[1:], ends.times, ends.latest_s, 0.0
             )
             made = merged(None, every, ends.latest_s, resolution_m_s)
         else:
