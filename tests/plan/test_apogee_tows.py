@@ -15,6 +15,7 @@ from towed_fields import field
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly, fly_refined
 from adr_opt.fly.refine import refine
 from adr_opt.fly.refine.bodies import state_of
@@ -251,3 +252,17 @@ def test_only_what_costs_is_towed_from_apogee() -> None:
         other = instance.replace(targets=(changed, *instance.targets[1:]))
         tow = removals_of(other, None)[other.first_target]
         assert (tow.apogees is None) == (share < 1.0)
+
+
+@pytest.mark.parametrize(
+    ("disposal", "words"),
+    [
+        ({"perigee_m": 60e3}, "low thrust tows to circles only"),
+        ({"circle_m": 1500e3}, "low thrust tows from"),
+    ],
+)
+def test_low_thrust_tows_down_to_circles(disposal: dict[str, float], words: str) -> None:
+    """Spirals to a perigee, or upwards, are refused in a sentence."""
+    instance = adr_opt.generate("electric", 0, targets=4)
+    with pytest.raises(InputError, match=words):
+        instance.replace(mission=instance.mission.replace(disposal=disposal))

@@ -100,6 +100,8 @@ def may_end_far(towed: Towed, time_s: float, oblateness_m2: float) -> bool:
     """Whether a tow in the revolution after a time [s] may end nearly as far off as is allowed."""
     if towed.slower is None:
         return False
+    if towed.period_s and any(towed.offset):
+        return True  # which displaces the apogee
     lap_s = math.tau / float(ephemeris.latitude_rate_at(towed.orbit, time_s))
     for place in range(1 if towed.period_s else PLACES):
         begin_s = towed.begins_s(time_s + towed.time_s + place / PLACES * lap_s)

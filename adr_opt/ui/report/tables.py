@@ -117,7 +117,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     ]
     weighed = any(leg.mass_kg is not None for leg in plan.legs)
     towed = any(leg.tow is not None for leg in plan.legs)
-    drive = drive_of(instance.chaser, instance.targets)
+    drive = drive_of(instance.chasers[0], instance.targets)
     years = {instance.names[body]: e for body, e in lifetimes_years(instance, drive).items()}
     in_days = any(max(pair) >= LONG_S for pair in lengths)
 
