@@ -310,7 +310,7 @@ def test_tanks_by_mass_hold_as_promised(name: str) -> None:
 
 def test_plans_are_kept_as_often_as_asked() -> None:
     """A plan made with a confidence is kept in that share of rehearsals, a plain one is not."""
-    instance = adr_opt.generate("reduced-fuel", seed=1, targets=25)
+    instance = adr_opt.generate("reduced-fuel", seed=1, targets=15)
     uncertainty = Uncertainty(
         legs={"delta_v_factor": {"lognormal_sigma": 0.1}},
         service_s={"factor": {"lognormal_sigma": 0.1}},

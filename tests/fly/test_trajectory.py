@@ -288,7 +288,7 @@ def test_propagation_refuses_what_is_not_closed() -> None:
 
 
 def test_the_phases_are_named_in_order() -> None:
-    """The names of phases are public: those of the burns between wait and service, then those of tows."""
+    """The names of phases are public: burns between wait and service, then those of tows."""
     phases = list(trajectory.PHASES)
     assert phases[0] == "wait"
     assert phases.index("approach") < phases.index("service") < phases.index("tow")

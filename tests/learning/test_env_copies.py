@@ -234,13 +234,13 @@ def test_one_mission_and_many_play_alike() -> None:
 
 def test_gymnasium_finds_it_by_its_module() -> None:
     """In a process that imports Gymnasium alone, the id after the module makes the environment."""
-    made = f"gymnasium.make('adr_opt.learning.environment:{IDS[0]}'), gymnasium.make('{IDS[1]}')"
+    wanted = [f"adr_opt.learning.environment:{known_as}" for known_as in IDS]
     code = (
         "import gymnasium, sys; assert not any(m.startswith('adr_opt') for m in sys.modules); "
-        f"print(*(each.unwrapped for each in ({made})))"
+        f"print(*(gymnasium.make(each).unwrapped for each in {wanted}))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.count("MissionEnv") == 2
+    assert done.stdout.count("MissionEnv") == len(IDS)
 
 
 def test_an_instance_is_loaded_from_a_dictionary() -> None:

@@ -11,7 +11,7 @@ from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...plan.tows import removals_by_name
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, RELEASES, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, RELEASES, TOURS, Follower
 from ...problem.support import refuse
 
 TOLD_M = 1e3
@@ -71,6 +71,7 @@ REFINED = Follower(
     "flying",
     FIRST - {"given connections", "bodies without an orbit"}
     | CAMPAIGNS
+    | MODELLED
     | TOURS
     | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"}
     | RELEASES,

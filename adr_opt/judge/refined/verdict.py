@@ -14,7 +14,7 @@ from ...common.errors import InputError
 from ...plan.plan import Leg, Plan, Tow
 from ...plan.refined_plan import Freedom, RefinedLeg, RefinedPlan, RefinedTow, reference
 from ...problem.instance import AnyInstance, Instance
-from ...problem.rules import CAMPAIGNS, FIRST, RELEASES, TOGETHER, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, RELEASES, TOGETHER, TOURS, Follower
 from ...problem.support import followed
 from ..check.violation import TIME_TOLERANCE_S, Violation
 from .flight import check_flight
@@ -231,7 +231,7 @@ UNJUDGED = "unjudged"
 
 FOLLOWS = Follower(
     "check of refined plans",
-    FIRST | CAMPAIGNS | TOURS | TOGETHER | RELEASES | {"functions of time"},
+    FIRST | CAMPAIGNS | MODELLED | TOURS | TOGETHER | RELEASES | {"functions of time"},
 )
 
 
