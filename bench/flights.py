@@ -9,7 +9,7 @@
     python bench/flights.py errors
     python bench/flights.py target-errors
     python bench/flights.py hold --limit 12
-    python bench/flights.py releases --limit 12
+    python bench/flights.py releases CATALOGUE --tows 100
     python bench/flights.py fragments CATALOGUE --limit 60
     python bench/flights.py missed --targets 1000
 

@@ -33,11 +33,11 @@ from adr_opt.analysis.scenario import ScenarioSettings, scenario_answer
 from adr_opt.analysis.scenario import scenario as run_scenario
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.kernels.orbits.encounters import BLUR_M, encounter_rate
+from adr_opt.problem.air import ACTIVITIES, ALTITUDES_KM, DENSITIES_KG_M3, YEAR_S, lifetimes
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.sources import catalogue, worth
 from adr_opt.sources.generator.clouds import CLOUD_TARGETS as TARGETS
 from adr_opt.sources.generator.clouds import PERCENTILES
-from adr_opt.sources.worth.air import ACTIVITIES, ALTITUDES_KM, DENSITIES_KG_M3, YEAR_S, lifetimes
 from adr_opt.sources.worth.pairs import mean_speeds
 
 DODGING = ("RELAY*", "HIGH RELAY*")
@@ -276,7 +276,7 @@ def _mean(pair: dict[str, Any], at: int, form: str) -> str:
 
 
 def air() -> None:
-    """Table of the air's density in ``adr_opt/sources/worth/air.py``, from NRLMSIS 2.1.
+    """Table of the air's density in ``adr_opt/problem/air.py``, from NRLMSIS 2.1.
 
     Densities are means over latitudes, longitudes, hours and seasons. Low and high activity are a
     constant F10.7 of 70 and 200; mean activity is the mean density of a cycle in which F10.7 swings

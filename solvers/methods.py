@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from adr_opt.problem.rules import CAMPAIGNS, FIRST, MODELLED, PLAYED, TOURS
+from adr_opt.problem.rules import CAMPAIGNS, FIRST, MODELLED, PLAYED, RELEASES, TOURS
 from adr_opt.run.method_spec import MethodSpec, Practice
 
 MODEL = FIRST | MODELLED
@@ -18,6 +18,7 @@ AUTO = MethodSpec(
     follows=ON_A_TANK
     | CAMPAIGNS
     | TOURS
+    | RELEASES
     | {"functions of time", "functions of time for several chasers"},
     starts=True,
     uses_cores=True,
@@ -32,7 +33,7 @@ AUTO = MethodSpec(
 EXACT = MethodSpec(
     "exact",
     "solvers.planners.exact:exact",
-    follows=ON_A_TANK | CAMPAIGNS | TOURS | {"functions of time"},
+    follows=ON_A_TANK | CAMPAIGNS | TOURS | RELEASES | {"functions of time"},
     starts=True,
     uses_cores=True,
     shows_evidence=True,
@@ -42,13 +43,16 @@ EXACT = MethodSpec(
 )
 
 GREEDY = MethodSpec(
-    "greedy", "solvers.planners.greedy:greedy", follows=ON_A_TANK | CAMPAIGNS, on_demand=True
+    "greedy",
+    "solvers.planners.greedy:greedy",
+    follows=ON_A_TANK | CAMPAIGNS | RELEASES,
+    on_demand=True,
 )
 
 GREEDY_GUARDED = MethodSpec(
     "greedy-guarded",
     "solvers.planners.greedy:greedy_guarded",
-    follows=ON_A_TANK | CAMPAIGNS,
+    follows=ON_A_TANK | CAMPAIGNS | RELEASES,
     on_demand=True,
 )
 

@@ -91,8 +91,11 @@ def _towing(
         if tow is None:
             yield leg
             continue
-        is_last = at + 1 == len(legs)
-        start = leg.end_s + last_stay_s if is_last else legs[at + 1].leaves_s - tow.time_s
+        start = leg.end_s + last_stay_s
+        if at + 1 < len(legs):
+            # From where a tow from apogee leads, a drift begins at the time of its grid.
+            later = legs[at + 1]
+            start = (later.leaves_s if tow.apogees is None else later.departure_s) - tow.time_s
         yield leg.replace(tow=tow_flown(mission.transfer_inputs[1][j], tow, start))
 
 
@@ -107,8 +110,10 @@ def tow_flown(orbit: FloatArray, tow: RemovalFlight, start_s: float) -> TowFlown
     end_s = start_s + tow.time_s
     burns: tuple[Burn, ...] = ()
     if tow.burns_m_s is not None:
-        vectors = burn_vectors(orbit, tow, start_s)
-        burns = burns_of((start_s, end_s), vectors, ("tow", "tow"))
+        begins_s = start_s if tow.apogees is None else tow.begins_s(end_s)
+        phases = ("tow", "return" if tow.back_m_s else "tow")
+        vectors = burn_vectors(orbit, tow, begins_s)
+        burns = burns_of(tow.burn_times_s(begins_s), vectors, phases[: len(vectors)])
     return TowFlown(start_s=start_s, end_s=end_s, delta_v_m_s=tow.delta_v_m_s, burns=burns)
 
 

@@ -63,9 +63,11 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
     flown = np.zeros(takes.size)
     for body, tow in tows.items():
         assert isinstance(chaser.tank, TankByMass)
-        kept = math.exp(-tow.delta_v_m_s / chaser.tank.exhaust_m_s)
-        scale[body] = kept
-        loss[body] = (1.0 - kept) * tow.object_kg / (chaser.tank.dry_mass_kg + cargo)
+        kept = math.exp(-(tow.delta_v_m_s - tow.back_m_s) / chaser.tank.exhaust_m_s)
+        alone = math.exp(-tow.back_m_s / chaser.tank.exhaust_m_s)
+        scale[body] = kept * alone
+        lost = alone * (1.0 - kept) * tow.object_kg
+        loss[body] = lost / (chaser.tank.dry_mass_kg + cargo)
         flown[body] = tow.delta_v_m_s
     columns = takes, np.array(full), np.array(first), scale, loss
     for column in (*columns, flown):
@@ -164,7 +166,7 @@ def followed(
             tow, mass = tows.pop(destination), _mass_kg(chaser, kits, left)
             assert mass is not None
             removal_m_s = towing_m_s.get(destination, tow.delta_v_m_s)
-            removal_kg = (mass + tow.object_kg) * -math.expm1(-removal_m_s / tank.exhaust_m_s)
+            removal_kg = tow.takes_kg(mass, tank.exhaust_m_s, removal_m_s)
             left = _left_m_s(chaser, kits, mass - removal_kg)
         mass = _mass_kg(chaser, kits, left)
         found.append(Aboard(left, mass, kits, arrived, removal_kg, removal_m_s))

@@ -43,9 +43,7 @@ def carried_kg(
         if body in takers:
             mass += chaser.kit_mass_kg
         elif body in removals:
-            removal = removals[body]
-            both = (mass + removal.object_kg) * math.exp(removal.delta_v_m_s / tank.exhaust_m_s)
-            mass = both - removal.object_kg
+            mass = removals[body].needed_kg(mass, tank.exhaust_m_s)
         mass *= math.exp(delta_v / tank.exhaust_m_s)
     return mass - tank.dry_mass_kg
 

@@ -47,6 +47,8 @@ _known = [
     Phase("refuelling", "refuelling", "#d2508f", ""),
     # The way of an object down to the disposal orbit.
     Phase("tow", "tow", "#6a6fb5"),
+    # The way back of a chaser that has let an object go below its own least altitude.
+    Phase("return", "return", "#a06a35"),
 ]
 
 PHASES: dict[str, Phase] = {phase.name: phase for phase in _known}

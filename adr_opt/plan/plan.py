@@ -116,18 +116,31 @@ class LowThrustArc(Record):
 
 
 class Tow(Record):
-    """Tow of a serviced object down to the disposal orbit.
+    """Tow of a serviced object to its orbit of disposal.
 
     See docs/model.md section 5.
 
-    From the first of its two burns at ``start_s`` to the second one at ``end_s``, when the object
-    is released. Before that the chaser waits with it, as long as the next transfer allows.
+    Between circles from the first of its two burns at ``start_s`` to the second one at ``end_s``,
+    when the object is released; before that the chaser waits with it, as long as the next transfer
+    allows. Of a tow that begins at an apogee the first burn is within a revolution of ``start_s``,
+    and the chaser waits from the last one to ``end_s`` without the object; a burn of the phase
+    ``return`` it makes alone. Of a spiral from its beginning to its end, without burns.
     """
 
     start_s: Time
     end_s: Time
     delta_v_m_s: DeltaV
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
+
+    @property
+    def first_burn_s(self) -> float:
+        """When the object is moved first: by a burn, or by a spiral from its beginning [s]."""
+        return self.burns[0].time_s if self.burns else self.start_s
+
+    @property
+    def back_m_s(self) -> float:
+        """ΔV that the chaser takes alone, after the release [m/s]."""
+        return math.fsum(burn.size_m_s for burn in self.burns if burn.phase == "return")
 
 
 class Leg(Shown, Record):

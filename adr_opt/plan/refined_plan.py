@@ -90,12 +90,13 @@ class RefinedState(Record):
 
 
 class RefinedTow(Record):
-    """Tow of an object in true dynamics: from its own orbit, by two burns or by a spiral.
+    """Tow of an object in true dynamics: from its own orbit, by burns or by a spiral.
 
-    Burns are made at the plan's times and as large, against the motion that there is. A spiral has
-    none: its ``thrust`` is that of the chaser, with ``mass_kg`` of chaser and object together, and
-    ``planned_delta_v_m_s`` what the plan has for it.
-    ``released`` is where both are at the end.
+    Burns are made at the plan's times and as large, along the motion that there is; those that
+    lower a perigee are aimed at it, with ``planned_delta_v_m_s`` for what the plan has, and one of
+    the phase ``return`` the chaser makes alone. A spiral has none: its ``thrust`` is that of the
+    chaser, with ``mass_kg`` of chaser and object together, and ``planned_delta_v_m_s`` as well.
+    ``released`` is where both are at the release.
     """
 
     burns: Annotated[tuple[RefinedBurn, ...], Field(strict=False, max_length=2)]
@@ -113,8 +114,8 @@ class RefinedTow(Record):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        if (self.thrust is None) != (self.planned_delta_v_m_s is None):
-            raise ValueError("field planned_delta_v_m_s: a spiral needs it, and burns have none")
+        if self.thrust is not None and self.planned_delta_v_m_s is None:
+            raise ValueError("field planned_delta_v_m_s: a spiral needs it")
         if self.thrust is not None:
             windows = self.thrust.windows_s
             if self.burns or not windows:
@@ -122,17 +123,33 @@ class RefinedTow(Record):
             if windows[-1][1] > self.released.time_s:
                 raise ValueError("field thrust: a window ends after the release; correct its times")
             return self
-        if len(self.burns) != 2:
-            raise ValueError("field burns: must be two where there is no thrust")
-        begin, end = self.burns
-        if {begin.phase, end.phase} != {"tow"} or not begin.time_s <= end.time_s:
-            raise ValueError('field burns: must be two in time order, of phase "tow"')
+        phases = [burn.phase for burn in self.burns]
+        if phases not in (["tow"], ["tow", "tow"], ["tow", "return"]):
+            raise ValueError(
+                'field burns: must be one or two of phase "tow", or one and a "return", where '
+                "there is no thrust"
+            )
+        begin, end = self.burns[0], self.burns[-1]
+        if not begin.time_s <= end.time_s:
+            raise ValueError("field burns: must be in time order")
         if self.released.time_s != end.time_s:
             raise ValueError(
-                f"field released: time_s = {self.released.time_s!r} is not that of the second "
+                f"field released: time_s = {self.released.time_s!r} is not that of the last "
                 f"burn; write {end.time_s!r}"
             )
         return self
+
+    @property
+    def onward(self) -> RefinedState:
+        """Where the chaser goes on from: the release, and after it a burn back."""
+        back = [burn.delta_v_m_s for burn in self.burns if burn.phase == "return"]
+        velocity = [math.fsum(part) for part in zip(self.released.velocity_m_s, *back, strict=True)]
+        return self.released.replace(velocity_m_s=tuple(velocity)) if back else self.released
+
+    @property
+    def back_m_s(self) -> float:
+        """ΔV that the chaser takes alone [m/s]."""
+        return math.fsum(burn.size_m_s for burn in self.burns if burn.phase == "return")
 
     @property
     def start_s(self) -> float:

@@ -1,19 +1,18 @@
-"""Tows: an object is lowered to a disposal orbit, where the chaser continues from.
+"""Tows: an object is brought to its orbit of disposal, from where the chaser goes on.
 
-With impulses:
+With impulses a tow is flown in the object's plane, in one of two ways:
 
-A tow is a Hohmann transfer of the chaser with the object from the circle that the object is planned
-on (docs/model.md section 1) to one at the disposal altitude, in the object's plane: two burns
-against the motion, half a revolution apart. The object is released after the second one. The chaser
-may wait before a tow, but not after it: a tow ends when the next transfer leaves. Where there is
-none, plans have it follow the service at once, and it may be later. So a chaser leaving a tow at
-a time t is on the disposal orbit then,
+*Between circles.* Where eccentricity costs less than :data:`APOGEE_M_S`, half an ellipse from the
+circle that the object is planned on (docs/model.md section 1) to that of disposal: two burns along
+the motion, half a revolution apart, begun anywhere. The object is released after the second one.
+The chaser may wait before a tow, but not after it: a tow ends when the next transfer leaves. Where
+there is none, plans have it follow the service at once, and it may be later.
 
-    u(t) = u_j(t − T) + π,    Ω(t) = Ω_j(t − T) + Ω̇_h T,
-
-with T and Ω̇_h of the half ellipse (docs/model.md section 2): a body whose angles advance as the
-object's do, by the time of departure, on another radius. A row of such a body is that of the object
-*as it is left*. What has left drifts as its own radius says, which is one column more.
+*From apogee.* Any other object is towed on its own ellipse, coaxially, and such a tow has its first
+burn at an apogee. So it takes a revolution more, in which the chaser waits for the apogee and,
+after the last burn, for the next transfer: a chaser that leaves at a time t has begun at the only
+apogee after t − T − P, up to t − T, with T from the first burn to the last and P from one apogee to
+the next. Where it goes on from, :mod:`.after_tows` says.
 
 With low thrust a tow is a spiral, against the motion wherever there is sunlight: ΔV is the
 difference of both circular speeds, and it takes as long as with the heaviest chaser and the longest
@@ -21,7 +20,7 @@ shadow; a lighter one throttles. Meanwhile the speed of the orbit changes unifor
 argument of latitude move by the means of their rates.
 
 The burns take propellant for both masses: with A = exp(−ΔV / g₀ Isp) a chaser of mass m that tows
-D has (m + D) A − D afterwards.
+D has (m + D) A − D afterwards. A burn back, which it makes alone, takes its own share of that.
 """
 
 from __future__ import annotations
@@ -35,12 +34,10 @@ import numpy.typing as npt
 from ..common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ..kernels.legs.burns import half_ellipse_speeds
 from ..kernels.orbits import ephemeris
-from ..kernels.orbits.body_rows import as_left, with_orbit
-from ..kernels.orbits.eccentricity import matchings
 from ..kernels.orbits.ephemeris import EPOCH_S
+from ..problem.bodies import Disposal, DisposalCircle, DisposalPerigee, Target
 from ..problem.drives import Drive
 from ..problem.instance import Instance
-from ..problem.orbit import Orbit
 from .planes import Arcs, Plane, ahead, outward
 
 FloatArray = npt.NDArray[np.float64]
@@ -48,32 +45,93 @@ FloatArray = npt.NDArray[np.float64]
 RATES = 8
 """Number of points of Gauss's rule for the means of rates on a spiral."""
 
+APOGEE_M_S = 1.0
+"""Cost of eccentricity v e / 2 from which a tow begins at an apogee [m/s]."""
+
+SAME_LAP = 1e-6
+"""Part of a revolution before an apogee at which a time counts as that of the apogee."""
+
+
+class Apogees(NamedTuple):
+    """When an object is at its apogee: at ``first_s``, and each ``period_s`` after and before it.
+
+    Attributes
+    ----------
+    first_s, period_s : float
+        [s].
+    """
+
+    first_s: float
+    period_s: float
+
 
 class RemovalFlight(NamedTuple):
     """Flight of a chaser that removes an object after its service: a tow.
 
     Attributes
     ----------
-    radius_m : float
-        Of the disposal orbit.
+    radius_m, eccentricity : float
+        Semi-major axis and eccentricity of the orbit that the chaser goes on from.
     time_s : float
-        From the first burn to the second, or of the spiral.
+        How long it takes: from its beginning, up to a revolution before the first burn where that
+        has to be at an apogee, to its end.
+    flight_s : float
+        From the first burn to the last, or of the spiral.
     delta_v_m_s : float
-    burns_m_s : (float, float) or None
-        What the two burns take off the velocity; None for a spiral.
+        Of all burns.
+    back_m_s : float
+        Part of it that the chaser takes alone, after the release.
+    burns_m_s : tuple of float or None
+        What each burn takes off the velocity; None for a spiral.
     shift_rad, turned_rad : float
-        How far the node moves meanwhile, and the argument of latitude.
+        How far the node moves between the burns, and the argument of latitude.
     object_kg : float
         Mass that is towed.
+    released_m : (float, float)
+        Radii of perigee and apogee of the orbit that the object is left on.
+    apogees : Apogees or None
+        Where a tow begins; None if that may be anywhere.
     """
 
     radius_m: float
+    eccentricity: float
     time_s: float
+    flight_s: float
     delta_v_m_s: float
-    burns_m_s: tuple[float, float] | None
+    back_m_s: float
+    burns_m_s: tuple[float, ...] | None
     shift_rad: float
     turned_rad: float
     object_kg: float
+    released_m: tuple[float, float]
+    apogees: Apogees | None = None
+
+    def takes_kg(
+        self, mass_kg: float, exhaust_m_s: float, delta_v_m_s: float | None = None
+    ) -> float:
+        """Propellant of a chaser with a mass before it; ``delta_v_m_s`` if it took another."""
+        docked = (self.delta_v_m_s if delta_v_m_s is None else delta_v_m_s) - self.back_m_s
+        lost = (mass_kg + self.object_kg) * -math.expm1(-docked / exhaust_m_s)
+        return lost + (mass_kg - lost) * -math.expm1(-self.back_m_s / exhaust_m_s)
+
+    def needed_kg(self, mass_kg: float, exhaust_m_s: float) -> float:
+        """Mass of a chaser before the tow, from that after it."""
+        alone = mass_kg * math.exp(self.back_m_s / exhaust_m_s)
+        docked = self.delta_v_m_s - self.back_m_s
+        return (alone + self.object_kg) * math.exp(docked / exhaust_m_s) - self.object_kg
+
+    def begins_s(self, leaves_s: float) -> float:
+        """First burn of a tow after which a chaser leaves at a time [s]."""
+        if self.apogees is None:
+            return leaves_s - self.flight_s
+        last_s = leaves_s - self.flight_s
+        laps = math.floor((last_s - self.apogees.first_s) / self.apogees.period_s + SAME_LAP)
+        return self.apogees.first_s + laps * self.apogees.period_s
+
+    def burn_times_s(self, begins_s: float) -> tuple[float, ...]:
+        """Times of the burns of a tow by that of the first [s]."""
+        assert self.burns_m_s is not None
+        return tuple(begins_s + (at > 0) * self.flight_s for at in range(len(self.burns_m_s)))
 
 
 def removals_of(instance: Instance, drive: Drive | None) -> dict[int, RemovalFlight]:
@@ -84,8 +142,13 @@ def removals_of(instance: Instance, drive: Drive | None) -> dict[int, RemovalFli
             continue
         assert target.orbit is not None
         assert target.mass_kg is not None
-        low = EARTH_RADIUS_M + instance.circle_m(target)
+        disposal = instance.disposal_of(target)
         high, inclination = target.orbit.circular_elements()[:2]
+        if from_apogee(instance, target) and drive is None:
+            low = EARTH_RADIUS_M + instance.transfer.min_altitude_m
+            found[body] = _from_apogee(target, disposal, low, arcs, instance.oblateness_m2)
+            continue
+        low = EARTH_RADIUS_M + instance.circle_m(target)
         if drive is not None:
             found[body] = _spiral(
                 drive, (high, low), inclination, instance.oblateness_m2, target.mass_kg
@@ -95,9 +158,86 @@ def removals_of(instance: Instance, drive: Drive | None) -> dict[int, RemovalFli
         time, shift = arcs.half(high, low, inclination)
         burns = math.sqrt(MU_M3_S2 / high) - first, second - math.sqrt(MU_M3_S2 / low)
         found[body] = RemovalFlight(
-            low, time, math.fsum(burns), burns, shift, math.pi, target.mass_kg
+            radius_m=low,
+            eccentricity=0.0,
+            time_s=time,
+            flight_s=time,
+            delta_v_m_s=math.fsum(abs(burn) for burn in burns),
+            back_m_s=0.0,
+            burns_m_s=burns,
+            shift_rad=shift,
+            turned_rad=math.pi,
+            object_kg=target.mass_kg,
+            released_m=(low, low),
         )
     return found
+
+
+def from_apogee(instance: Instance, target: Target) -> bool:
+    """Whether the tow of a target by impulses begins at an apogee."""
+    orbit = target.orbit
+    if not target.service.is_flown or orbit is None:
+        return False
+    if isinstance(instance.disposal_of(target), DisposalPerigee):
+        return True
+    speed = math.sqrt(MU_M3_S2 / orbit.semi_major_axis_m)
+    return 0.5 * speed * orbit.eccentricity >= APOGEE_M_S
+
+
+def any_from_apogee(instance: Instance) -> bool:
+    """Whether any tow by impulses begins at an apogee."""
+    return any(from_apogee(instance, target) for target in instance.targets)
+
+
+def _from_apogee(
+    target: Target, disposal: Disposal | None, low_m: float, arcs: Arcs, oblateness_m2: float
+) -> RemovalFlight:
+    """A coaxial tow from the ellipse of an object (docs/model.md section 5.4).
+
+    Parameters
+    ----------
+    low_m : float
+        Least radius of the chaser.
+    """
+    orbit = target.orbit
+    assert orbit is not None
+    assert target.mass_kg is not None
+    axis, inclination = orbit.semi_major_axis_m, math.radians(orbit.inclination_deg)
+    perigee, apogee = axis * (1.0 - orbit.eccentricity), axis * (1.0 + orbit.eccentricity)
+    before = half_ellipse_speeds(apogee, perigee)[0]
+    node_free = ephemeris.secular_rates(axis, orbit.eccentricity, inclination, oblateness_m2)
+    row = orbit.row(oblateness_m2)
+    mean = ephemeris.latitude_at(row, EPOCH_S) - math.radians(orbit.argument_of_perigee_deg)
+    apogees = Apogees((math.pi - mean) / node_free[2], math.tau / node_free[2])
+    if isinstance(disposal, DisposalPerigee):
+        released = min(EARTH_RADIUS_M + disposal.perigee_m, perigee)
+        let_go = half_ellipse_speeds(apogee, released)[0]
+        kept = max(released, low_m)
+        back = half_ellipse_speeds(apogee, kept)[0] - let_go
+        burns = (before - let_go, -back) if back > 0.0 else (before - let_go,)
+        half, time, shift, turned = 0.0, 0.0, 0.0, 0.0
+        ends, onward = (released, apogee), (kept, apogee)
+    else:
+        assert isinstance(disposal, DisposalCircle)
+        circle, back = EARTH_RADIUS_M + disposal.circle_m, 0.0
+        half, end = half_ellipse_speeds(apogee, circle)
+        burns = before - half, end - math.sqrt(MU_M3_S2 / circle)
+        (time, shift), turned = arcs.half(apogee, circle, inclination), math.pi
+        ends = onward = (circle, circle)
+    return RemovalFlight(
+        radius_m=0.5 * math.fsum(onward),
+        eccentricity=(onward[1] - onward[0]) / math.fsum(onward),
+        time_s=apogees.period_s + time,
+        flight_s=time,
+        delta_v_m_s=math.fsum(abs(burn) for burn in burns),
+        back_m_s=back,
+        burns_m_s=burns,
+        shift_rad=shift,
+        turned_rad=turned,
+        object_kg=target.mass_kg,
+        released_m=ends,
+        apogees=apogees,
+    )
 
 
 def _spiral(
@@ -120,7 +260,19 @@ def _spiral(
         share = 0.5 * float(weight) * time
         shift += share * float(ephemeris.node_rate(radius, inclination, oblateness_m2))
         turned += share * float(ephemeris.latitude_rate(radius, inclination, oblateness_m2))
-    return RemovalFlight(low, time, delta_v, None, shift, turned, object_kg)
+    return RemovalFlight(
+        radius_m=low,
+        eccentricity=0.0,
+        time_s=time,
+        flight_s=time,
+        delta_v_m_s=delta_v,
+        back_m_s=0.0,
+        burns_m_s=None,
+        shift_rad=shift,
+        turned_rad=turned,
+        object_kg=object_kg,
+        released_m=(low, low),
+    )
 
 
 def removals_by_name(instance: Instance, drive: Drive | None) -> dict[str, RemovalFlight]:
@@ -129,74 +281,8 @@ def removals_by_name(instance: Instance, drive: Drive | None) -> dict[str, Remov
     return {names[body]: tow for body, tow in removals_of(instance, drive).items()}
 
 
-def leaving_orbits(instance: Instance, drive: Drive | None) -> FloatArray:
-    """Bodies at departure, shape (bodies, columns): as in :meth:`Instance.orbits`.
-
-    Those that are towed are left from the disposal orbit. Where there are some, rows have one
-    column more, see :func:`adr_opt.kernels.orbits.body_rows.as_left`.
-    """
-    rows, tows = instance.orbits(), removals_of(instance, drive)
-    if not tows:
-        return rows
-    rows = as_left(rows)
-    for body, tow in tows.items():
-        row = rows[body]
-        node, node_rate = ephemeris.node_tangent(row, EPOCH_S)
-        latitude, latitude_rate = ephemeris.latitude_tangent(row, EPOCH_S)
-        inclination = ephemeris.inclination_at(row, EPOCH_S)
-        rows[body] = with_orbit(
-            row,
-            radius_m=tow.radius_m,
-            node=node + (tow.shift_rad - node_rate * tow.time_s),
-            latitude=latitude + (tow.turned_rad - latitude_rate * tow.time_s),
-            eccentricity=0.0,
-            coasting_node_rate=ephemeris.node_rate(
-                tow.radius_m, inclination, instance.oblateness_m2
-            ),
-        )
-    return rows
-
-
-def released_orbit(instance: Instance, drive: Drive | None, name: str, time_s: float) -> Orbit:
-    """Disposal orbit of a chaser that released an object at a time, and stays there."""
-    row = leaving_orbits(instance, drive)[instance.names.index(name)]
-    radius = float(ephemeris.radius_at(row, time_s))
-    inclination = float(ephemeris.inclination_at(row, time_s))
-    latitude_rate = float(ephemeris.latitude_rate(radius, inclination, instance.oblateness_m2))
-    coasting = float(ephemeris.coasting_node_rate_at(row, time_s))
-    node = float(ephemeris.node_at(row, time_s)) - coasting * time_s
-    latitude = float(ephemeris.latitude_at(row, time_s)) - latitude_rate * time_s
-    return Orbit(
-        semi_major_axis_m=radius,
-        eccentricity=0.0,
-        inclination_deg=math.degrees(inclination),
-        raan_deg=math.degrees(node) % 360.0,
-        argument_of_perigee_deg=0.0,
-        true_anomaly_deg=math.degrees(latitude) % 360.0,
-    )
-
-
-def leaving_eccentricity_delta_v(instance: Instance, leaving: FloatArray) -> FloatArray:
-    """Cost of matching eccentricity vectors alone after such a departure [m/s].
-
-    As :meth:`Instance.eccentricity_delta_v`, shape (origin, destination); a disposal orbit is a
-    circle.
-    """
-    costs, rows = instance.eccentricity_delta_v(), instance.orbits()
-    if instance.nodes_drift:
-        return costs
-    for body in removals_of(instance, None):
-        columns = rows.shape[1]
-        for other in range(len(rows)):
-            ends = np.array([leaving[body, :columns], rows[other]])
-            costs[body, other] = 0.0 if other == body else matchings(ends, EPOCH_S)[0, 1]
-    return costs
-
-
-def burn_vectors(
-    orbit: FloatArray, tow: RemovalFlight, start_s: float
-) -> tuple[FloatArray, FloatArray]:
-    """Both burns of a tow that begins at a time, inertial, shape (3,) each [m/s].
+def burn_vectors(orbit: FloatArray, tow: RemovalFlight, begins_s: float) -> list[FloatArray]:
+    """Burns of a tow whose first one is at a time, inertial, shape (3,) each [m/s].
 
     Parameters
     ----------
@@ -206,12 +292,15 @@ def burn_vectors(
         With burns.
     """
     assert tow.burns_m_s is not None
-    latitude = float(ephemeris.latitude_at(orbit, start_s))
+    latitude = float(ephemeris.latitude_at(orbit, begins_s))
+    if tow.apogees is not None:
+        latitude = float(ephemeris.perigee_at(orbit, begins_s)) + math.pi
     plane = Plane(
-        float(ephemeris.inclination_at(orbit, start_s)), float(ephemeris.node_at(orbit, start_s))
+        float(ephemeris.inclination_at(orbit, begins_s)), float(ephemeris.node_at(orbit, begins_s))
     )
     after = plane.carried(tow.shift_rad)
-    return (
-        -tow.burns_m_s[0] * ahead(plane, outward(plane, latitude)),
-        -tow.burns_m_s[1] * ahead(after, outward(after, latitude + math.pi)),
-    )
+    places = ((plane, latitude), (after, latitude + tow.turned_rad))
+    return [
+        -size * ahead(there, outward(there, at))
+        for size, (there, at) in zip(tow.burns_m_s, places, strict=False)
+    ]

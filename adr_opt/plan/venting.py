@@ -58,8 +58,7 @@ def _most_kg(
         elif leg.destination in takers:
             after += chaser.kit_mass_kg
         elif leg.destination in tows:
-            tow = tows[leg.destination]
-            after = (after + tow.object_kg) * math.exp(tow.delta_v_m_s / exhaust) - tow.object_kg
+            after = tows[leg.destination].needed_kg(after, exhaust)
         class_kg = math.inf if leg.mass_class_kg is None else leg.mass_class_kg
         after = min(class_kg, after * math.exp(leg.delta_v_m_s / exhaust))
         found.append(after)

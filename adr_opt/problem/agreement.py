@@ -241,21 +241,27 @@ def check_removals(
             raise ValueError(
                 f'field targets[{number}].removal = "tow": no disposal orbit; give mission.disposal'
             )
+        if target.mass_kg is None:
+            raise ValueError(f"field targets[{number}].mass_kg: missing, and it is towed; give it")
+        place = "mission" if target.disposal is None else f"targets[{number}]"
+        spirals = any(chaser.thrust_n is not None for chaser in chasers)
         if not isinstance(disposal, DisposalCircle):
+            if spirals:
+                raise ValueError(
+                    f"field {place}.disposal.perigee_m = {disposal.perigee_m!r}: low thrust tows "
+                    "to circles only; give circle_m"
+                )
             continue
         altitude = disposal.circle_m
-        place = "mission" if target.disposal is None else f"targets[{number}]"
         stated = f"field {place}.disposal.circle_m = {altitude!r}"
         if not transfer.min_altitude_m <= altitude <= transfer.max_altitude_m:
             raise ValueError(
                 f"{stated}: must be within the altitude limits of transfers, "
                 f"{transfer.min_altitude_m!r} to {transfer.max_altitude_m!r}"
             )
-        if target.mass_kg is None:
-            raise ValueError(f"field targets[{number}].mass_kg: missing, and it is towed; give it")
         assert target.orbit is not None
         above = target.orbit.semi_major_axis_m - EARTH_RADIUS_M
-        if altitude >= above:
+        if altitude >= above and spirals:
             raise ValueError(
-                f"{stated}: must be below {target.name!r}, which is towed from {above:.0f} m"
+                f"{stated}: must be below {target.name!r}, which low thrust tows from {above:.0f} m"
             )

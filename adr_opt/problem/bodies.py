@@ -126,6 +126,9 @@ def prize_at(prize: float, levels: Sequence[PrizeUntil], end_s: float) -> float:
     return next((level for until_s, level in levels if end_s <= until_s), prize)
 
 
+LARGEST_AREA_TO_MASS = 1e3
+"""Of an object [m²/kg]."""
+
 ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)]
 """Object identifier as in messages: printable ASCII, mostly like ``1997-051C``."""
 
@@ -197,7 +200,9 @@ class Target(Record):
     fit of its orbit to an ephemeris. ``prize_until``: times and falling prizes, each of a service
     that ends by its time, with the tow if there is one; ``prize`` is what is left after the last.
     ``success``: the chance that a capture succeeds, for rehearsals and plans with a confidence.
-    None of these six is in files that do not state it.
+    ``area_to_mass_m2_kg``: what drag acts on, for the lifetime of an object that is released. None
+    of these seven is in files that do not state it. A kit with a ``disposal`` brings the object
+    there after the chaser has left.
     """
 
     name: Name
@@ -213,6 +218,7 @@ class Target(Record):
     prize_until: PrizesUntil | None = None
     success: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     disposal: Disposal | None = None
+    area_to_mass_m2_kg: Annotated[float, Field(gt=0.0, le=LARGEST_AREA_TO_MASS)] | None = None
 
     def prize_at(self, end_s: float) -> float:
         """The prize of a service by its end, with the tow if there is one [s]."""
@@ -238,6 +244,7 @@ class Target(Record):
         return without(
             write(self),
             *("object_id", "decay_m_per_day", "fit", "prize_until", "success", "disposal"),
+            "area_to_mass_m2_kg",
         )
 
     @model_validator(mode="after")

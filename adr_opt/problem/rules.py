@@ -59,7 +59,7 @@ FACTS = frozenset(
         *_at("frame", "name axes_epoch"),
         *_at("stations[]", "name orbit object_id"),
         *_at("stations[].orbit", ORBIT),
-        *_at("targets[]", "name orbit mass_kg object_id fit success"),
+        *_at("targets[]", "name orbit mass_kg object_id fit success area_to_mass_m2_kg"),
         *_at("targets[].orbit", ORBIT),
         "targets[].fit.eccentricity_offset",
         "chasers[].name",
@@ -309,6 +309,9 @@ RULES = {
         ),
         'give {"circle_m": ALTITUDE}',
     ),
+    "lifetimes": Rule(
+        ("mission.max_lifetime_years",), lambda i: i.mission.max_lifetime_years is not None
+    ),
     # What some follow each alone, and not together.
     "rules of tours beyond tours": Rule(
         ("transfer.max_leg_s", "mission.mission_separation_s"),
@@ -384,6 +387,9 @@ TOGETHER = frozenset(
 )
 """What planners follow each alone; judges follow them together as well."""
 
+RELEASES = frozenset({"disposal by perigee", "lifetimes"})
+"""What is asked of objects that are released."""
+
 MODELLED = frozenset({"safety ellipse"})
 """Rules of the model's own connections: whoever takes these as they are follows them."""
 
@@ -392,6 +398,7 @@ JUDGED = (
     | CAMPAIGNS
     | TOURS
     | TOGETHER
+    | RELEASES
     | MODELLED
     | {"functions of time", "visits between refuellings"}
 )

@@ -81,6 +81,7 @@ NOT_WRITTEN = (
     "disposal",
     "launch_separation_s",
     "mission_separation_s",
+    "max_lifetime_years",
 )
 """Fields omitted from the file if None."""
 
@@ -98,6 +99,8 @@ class MissionSettings(Record):
     not in the file either, each by itself.
     With ``mission_separation_s`` each launch has a time of the plan's choice instead, in any order,
     and follows the last service of every chaser launched before it by no less than that.
+    Released objects stay in orbit for ``max_lifetime_years`` at most; no limit, and no such field,
+    where it is None.
     """
 
     duration_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)]
@@ -107,6 +110,7 @@ class MissionSettings(Record):
     disposal: Disposal | None = None
     launch_separation_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
     mission_separation_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
+    max_lifetime_years: Annotated[float, Field(gt=0.0, lt=1000.0)] | None = None
 
     @model_validator(mode="before")
     @classmethod

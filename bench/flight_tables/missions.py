@@ -13,10 +13,13 @@ from tables import head, row
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.fly.flight import TankFlight, fly, fly_refined
-from adr_opt.fly.flight.refined_result import MOST_RELEASE_ECCENTRICITY
 from adr_opt.fly.refine.bodies import state_of
+from adr_opt.fly.refine.tow import lowest_m
 from adr_opt.judge.refined.release import released
+from adr_opt.judge.refined.verdict import check_refined
 from adr_opt.kernels.orbits.gravity import FIELDS
+from adr_opt.plan.refined_plan import RefinedTow
+from adr_opt.problem.bodies import Target
 from adr_opt.problem.transfer_sizes import transfers_for
 
 INCLINATIONS_DEG = (71.0, 86.4, 98.0)
@@ -164,28 +167,63 @@ def hold(each: int = 10, limit: float = 30.0) -> None:
     print(f"\n{held} of {all_of} plans hold when flown; over by at most {max(broken):.2%}.")
 
 
-def releases(each: int = 10, limit: float = 30.0) -> None:
-    """Mean orbits on which towed objects are left, altitudes of perigee and apogee, of those."""
-    head("mission", "objects", "released: mean perigee × apogee")
-    eccentric = all_of = 0
-    for instance in drawn_missions(each):
-        if not any(target.service.is_flown for target in instance.targets):
-            continue
-        refined = adr_opt.refine(instance, planned(instance, "auto", limit))
-        orbits = [
-            released(state_of(leg.tow.released), FIELDS[refined.gravity])
-            for leg in refined.legs
-            if leg.tow is not None
-        ]
-        swings = [orbit.eccentricity * (EARTH_RADIUS_M + orbit.altitude_m) for orbit in orbits]
-        cells = (
-            f"{1e-3 * (orbit.altitude_m - swing):.0f} × {1e-3 * (orbit.altitude_m + swing):.0f} km"
-            for orbit, swing in zip(orbits, swings, strict=True)
+def releases(catalogue: Path, tows: int = 100) -> None:
+    """Where objects of a catalogue are released when their tows are refined and flown under J2.
+
+    Neighbours by node are towed two by two, by a chaser that is launched onto the first: once to a
+    circle of 450 km and once down to a perigee of 50 km. Shown are the largest distances of the
+    mean perigee and apogee from the circle, and of the least radius in the first revolution from
+    that of the perigee; and the least altitude of chasers, alone and on their legs.
+    """
+    options = (
+        "--no-refuelling --max-targets 120 --duration-days 5 --tow 800 --disposal-altitude 450"
+    )
+    instance = imported(catalogue, f"{options} --dry-mass 600 --propellant 9000 --isp 310")
+    limit_m = EARTH_RADIUS_M + instance.transfer.min_altitude_m
+    objects = sorted(instance.targets, key=lambda target: target.orbit.raan_deg)
+    high = [each for each in objects if _perigee_m(each) > limit_m]
+    head("disposal", "tows", "e", "off, km", "95 %", "chaser alone, km", "on its legs, km", "held")
+    for disposal in ({"circle_m": 450e3}, {"perigee_m": 50e3}):
+        off, alone, legs, shapes, held = [], [], [], [], 0
+        for pair in zip(high[::2], high[1::2], strict=False):
+            if len(off) >= tows:
+                break
+            asked = instance.mission.replace(disposal=disposal)
+            field = instance.replace(targets=pair, mission=asked)
+            field = field.replace(chasers=(field.chaser.replace(start="anywhere"),))
+            plan = planned(field, "greedy")
+            assert adr_opt.check(field, plan) == ()
+            if len(plan.legs) < 2:
+                continue
+            refined = adr_opt.refine(field, plan)
+            held += check_refined(field, plan, refined) == () and fly_refined(field, refined).holds
+            shapes += [target.orbit.eccentricity for target in pair]
+            for leg in refined.legs:
+                legs.append(leg.lowest_altitude_m / 1e3)
+                for tow in leg.removals:
+                    off.append(_off_km(tow, disposal, refined.gravity))
+                    lowest = lowest_m(state_of(tow.onward), refined.gravity)
+                    alone.append((lowest - EARTH_RADIUS_M) / 1e3)
+        row(
+            *(next(iter(disposal)), len(off), f"{min(shapes):.4f} to {max(shapes):.4f}"),
+            *(f"{max(off):.2f}", f"{np.quantile(off, 0.95):.2f}", f"{min(alone):.1f}"),
+            *(f"{min(legs):.1f}", f"{held} of {len(shapes) // 2}"),
         )
-        row(instance.name, len(orbits), ", ".join(cells))
-        all_of += len(orbits)
-        eccentric += sum(orbit.eccentricity > MOST_RELEASE_ECCENTRICITY for orbit in orbits)
-    print(f"\n{eccentric} of {all_of} are left with an eccentricity above the tolerance.")
+
+
+def _perigee_m(target: Target) -> float:
+    assert target.orbit is not None
+    return target.orbit.semi_major_axis_m * (1.0 - target.orbit.eccentricity)
+
+
+def _off_km(tow: RefinedTow, disposal: dict[str, float], gravity: str) -> float:
+    """How far a release is off its circle, or off its perigee as flown."""
+    state = state_of(tow.released)
+    if "perigee_m" in disposal:
+        return abs(lowest_m(state, gravity) - EARTH_RADIUS_M - disposal["perigee_m"]) / 1e3
+    orbit = released(state, FIELDS[gravity])
+    swing = orbit.eccentricity * (EARTH_RADIUS_M + orbit.altitude_m)
+    return (abs(orbit.altitude_m - disposal["circle_m"]) + swing) / 1e3
 
 
 def fragments(catalogue: Path, limit: float = 30.0) -> None:

@@ -19,9 +19,9 @@ from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly
 from adr_opt.kernels.orbits import columns, ephemeris
 from adr_opt.legs.connection_finder import ConnectionFinder
+from adr_opt.plan.after_tows import leaving_orbits
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Leg, Plan
-from adr_opt.plan.tows import leaving_orbits
 from adr_opt.problem.chasers import InOrbit
 from adr_opt.problem.instance import Instance
 
@@ -125,7 +125,7 @@ def as_enumerated(instance: Instance) -> Field:
     def after(name: str, left_m_s: float) -> float:
         if name not in tows:
             return left_m_s
-        _, delta_v, mass_kg = tows[name]
+        _, delta_v, mass_kg, _ = tows[name]
         both_kg = dry * math.exp(left_m_s / exhaust) + mass_kg
         kept_kg = both_kg * math.exp(-delta_v / exhaust) - mass_kg
         return exhaust * math.log(max(kept_kg, 1e-6) / dry)

@@ -43,9 +43,9 @@ from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.orbits.decay import after_drag, drag_time
 from adr_opt.kernels.orbits.encounters import encounter_rate
+from adr_opt.problem.air import DRAG_COEFFICIENT, YEAR_S, lifetimes, table
 from adr_opt.problem.orbit import Orbit
 from adr_opt.sources import catalogue, worth
-from adr_opt.sources.worth.air import DRAG_COEFFICIENT, YEAR_S, lifetimes, table
 from adr_opt.sources.worth.breakup import area_shares
 from adr_opt.sources.worth.pairs import mean_speeds
 

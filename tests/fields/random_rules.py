@@ -545,6 +545,36 @@ def towing_mission(seed: int) -> Instance:
     return towing((random_mission, drifting_mission)[seed % 3 > 0](seed // 2), seed)
 
 
+def disposing(instance: Instance, seed: int) -> Instance:
+    """The same with eccentric objects, some left by their perigee alone or for a time at most."""
+    rng, targets = np.random.default_rng([16, seed]), []
+    least_m = EARTH_RADIUS_M + instance.transfer.min_altitude_m
+    for target in instance.targets:
+        orbit = target.orbit
+        if target.removal == "tow" and rng.random() < 0.7:
+            e = min(float(rng.choice([1e-3, 5e-3, 0.02])), 1.0 - least_m / orbit.semi_major_axis_m)
+            orbit = orbit.replace(eccentricity=max(0.9 * e, 0.0))
+        own = {"perigee_m": float(rng.uniform(20e3, 600e3))} if rng.random() < 0.5 else None
+        targets.append(target.replace(orbit=orbit, disposal=own))
+    years = float(rng.choice([0.3, 5.0])) if rng.random() < 0.3 else None
+    mission = instance.mission.replace(max_lifetime_years=years)
+    name = f"{instance.name}-disposed-of"
+    return instance.replace(name=name, targets=tuple(targets), mission=mission)
+
+
+def disposing_mission(seed: int) -> Instance:
+    """A mission of one chaser with tows to circles and to perigees."""
+    return disposing(towing_mission(seed), seed)
+
+
+def disposing_campaign(seed: int) -> Instance:
+    """A campaign with tows to circles and to perigees, by turns with kits or expenses."""
+    draw = drifting_mission if seed % 2 else random_mission
+    made = (random_campaign, mixed_campaign)[seed % 3 == 2](seed // 2, draw)
+    made = disposing(towing(carrying(made, seed) if seed % 4 < 2 else made, seed), seed)
+    return priced(made, seed) if seed % 5 == 1 else made
+
+
 def hurried_mission(seed: int) -> Instance:
     """A mission that policies play, of a chaser that is there for a part of it."""
     instance = adr_opt.generate("tiny", seed, targets=4)
@@ -615,6 +645,7 @@ DRAWS: dict[str, Callable[[int], Instance]] = {
     "given": given_mission,
     "rounding": rounding_mission,
     "towing": towing_mission,
+    "disposing": disposing_mission,
     "falling": falling_mission,
     "campaign": random_campaign,
     "mixed": mixed_campaign,

@@ -25,10 +25,10 @@ from adr_opt.fly.refine.troubles import strayed
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.mission.problem import problem_of
+from adr_opt.plan.after_tows import leaving_orbits
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
-from adr_opt.plan.tows import leaving_orbits
 from adr_opt.problem.drives import drive_of
 from adr_opt.problem.instance import Instance
 

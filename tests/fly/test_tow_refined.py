@@ -110,9 +110,9 @@ def test_a_refined_file_says_its_tows():
     assert RefinedPlan.from_json(one.to_json()) == one
     towed = next(leg for leg in one.legs if leg.tow is not None)
     first, second = towed.tow.burns
-    with pytest.raises(ValueError, match="two in time order"):
+    with pytest.raises(ValueError, match="in time order"):
         towed.tow.replace(burns=(second, first))
-    with pytest.raises(ValueError, match="not that of the second burn"):
+    with pytest.raises(ValueError, match="not that of the last burn"):
         towed.tow.replace(released=towed.tow.released.replace(time_s=first.time_s))
     with pytest.raises(ValueError, match="begins before arrival_s"):
         towed.replace(arrival_s=second.time_s, end_s=second.time_s)

@@ -288,8 +288,8 @@ def test_propagation_refuses_what_is_not_closed() -> None:
 
 
 def test_the_phases_are_named_in_order() -> None:
-    """The names of phases are public: those of the burns between wait and service, then the tow."""
+    """The names of phases are public: burns between wait and service, then those of tows."""
     phases = list(trajectory.PHASES)
     assert phases[0] == "wait"
     assert phases.index("approach") < phases.index("service") < phases.index("tow")
-    assert sorted(burn_phases()) == sorted((*BURN_PHASES, "tow"))
+    assert sorted(burn_phases()) == sorted((*BURN_PHASES, "tow", "return"))

@@ -196,6 +196,9 @@ def test_connections_from_where_tows_lead_are_those_of_check(seeds):
 def test_no_connection_is_missed_to_where_a_tow_would_end_far_from_its_circle(seed, count):
     """What tables leave out since `check` would refuse the tow is no gap in a proof."""
     instance = visiting_mission(seed)
+    fit = {"eccentricity_offset": (1e-4, 0.0)}  # displaces apogees, where tows begin
+    targets = tuple(target.replace(fit=fit) for target in instance.targets)
+    instance = instance.replace(targets=targets)
     finder = ConnectionFinder(instance, relaxed=True)
     assert np.isneginf(finder.ends.altitudes.arrive_by).any()
     sampled = sample_connections(instance, finder, count, 0)

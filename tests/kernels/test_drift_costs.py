@@ -202,8 +202,9 @@ def test_what_is_listed_is_what_nothing_else_dominates():
         shorts = short_ones(rng, duration, 0.5 * most, most)
         kept = np.empty(len(shorts), np.bool_)
         begins, ends, costs = drift_grid.of_pair(
-            pair,
-            NO_ZONES,
+            first[None],
+            second,
+            RULE,
             Times(0.0, step, longest, most),
             duration,
             resolution,
@@ -255,7 +256,14 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
         opens = rng.uniform(0.0, 40.0) * DAY_S
         zones = np.array([[low, low + 20e3, opens, opens + rng.uniform(0.0, 10.0) * DAY_S]])
         begins, ends, _ = drift_grid.of_pair(
-            pair, zones, times, duration, 0.0, none, np.empty(0, np.bool_)
+            first[None],
+            second,
+            RULE._replace(zones=zones),
+            times,
+            duration,
+            0.0,
+            none,
+            np.empty(0, np.bool_),
         )
         for begin, end in zip(begins * DAY_S, ends * DAY_S, strict=True):
             touches = zones[0, 2] <= end and begin <= zones[0, 3]
@@ -266,7 +274,7 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
             assert not (touches and crosses), (first, second, zones, begin, end)
             allowed += 1
         free, _, _ = drift_grid.of_pair(
-            pair, NO_ZONES, times, duration, 0.0, none, np.empty(0, np.bool_)
+            first[None], second, RULE, times, duration, 0.0, none, np.empty(0, np.bool_)
         )
         forbidden += free.size > begins.size
     assert allowed > 1000

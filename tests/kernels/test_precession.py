@@ -46,7 +46,7 @@ def connections_of(
     shorts = drifting_connections.short_ones(i, j, extra_m_s, *rest)
     if times.longest < times.step:
         return shorts
-    return drifting_connections.with_drifts(i, j, *rest, shorts)
+    return drifting_connections.with_drifts(i[None], j, *rest, shorts)
 
 
 def heights(i: FloatArray, j: FloatArray, times: FloatArray) -> FloatArray:
@@ -96,7 +96,7 @@ def test_every_crossing_of_a_year_is_an_event(inclination_deg):
         ahead = math.degrees((rates[0] - rates[1]) * 0.5 * 365.0 * DAY_S)
         pair = pair_of(first, second.replace(raan_deg=40.0 + ahead))
         made = co_elliptic.prepare(pair.i, pair.j, 0.0, oblate_rule(), 0.0)
-        half_turns, numbers = departure_events.events_of(made, 365.0 * DAY_S, 0.0)
+        half_turns, numbers = departure_events.events_of(made, 0.0, 365.0 * DAY_S, 0.0)
         expected = crossings(pair.i, pair.j, 365.0 * DAY_S)
         assert np.all(np.diff(half_turns) == 1)
         assert numbers[:, 0].size == expected.size, pair
@@ -112,9 +112,9 @@ def test_events_keep_their_spacing():
     """With a spacing, some of all events are left, none much closer and none much farther apart."""
     for pair in pairs(1, 24):
         made = co_elliptic.prepare(pair.i, pair.j, 0.0, oblate_rule(), 0.0)
-        every = departure_events.events_of(made, 60.0 * DAY_S, 0.0)[1][:, 0]
+        every = departure_events.events_of(made, 0.0, 60.0 * DAY_S, 0.0)[1][:, 0]
         for spacing in (1e4, DAY_S, 2.5 * DAY_S):
-            some = departure_events.events_of(made, 60.0 * DAY_S, spacing)[1][:, 0]
+            some = departure_events.events_of(made, 0.0, 60.0 * DAY_S, spacing)[1][:, 0]
             assert np.isin(np.round(some, 3), np.round(every, 3)).all()
             gaps = np.diff(some)
             # The line of nodes itself moves meanwhile, by half a revolution at most.
@@ -235,7 +235,7 @@ def test_no_sequence_is_missed():
         found = connections_of(pair.i, pair.j, 0.0, law, NO_DRIFT, duration, 0.1)
         lap = 2.0 * math.pi / made.rate_j
         approach = law.approach_revolutions * lap
-        half_turns, numbers = departure_events.events_of(made, duration, 0.0)
+        half_turns, numbers = departure_events.events_of(made, 0.0, duration, 0.0)
         for event, k in itertools.product(range(half_turns.size), range(7)):
             departure, _, alpha_i, alpha_j = numbers[event, :4]
             high = made.longest + k * made.longest_lap
@@ -273,7 +273,7 @@ def test_oblateness_that_fades_leads_to_two_body_motion():
             prepared = co_elliptic.prepare(
                 pair.i, pair.j, 0.0, law._replace(oblateness=oblateness), 0.0
             )
-            event = precession.first_event(prepared)
+            event = precession.first_event(prepared, 0.0)
             made.append((event.time, event.theta, prepared.flight, prepared.lap))
         plain, faint, full = (np.array(values) for values in made)
         assert np.abs(faint - plain) == pytest.approx(

@@ -51,7 +51,7 @@ def test_many_at_a_time_are_those_one_by_one(drawn_pairs):
     unsure = none = compared = 0
     for pair in drawn_pairs:
         made = co_elliptic.prepare(pair.i, pair.j, 0.0, law, 0.0)
-        half_turns, numbers = departure_events.events_of(made, 2.0 * DAY_S, 0.0)
+        half_turns, numbers = departure_events.events_of(made, 0.0, 2.0 * DAY_S, 0.0)
         half_turns, numbers = half_turns[::-3][::-1], np.ascontiguousarray(numbers[::-3][::-1])
         lap, first = 2.0 * math.pi / made.rate_j, made.shortest - fixed_points.BAND_S
         bases = np.array(

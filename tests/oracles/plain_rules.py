@@ -32,11 +32,12 @@ class Leg(NamedTuple):
 
 
 class Tow(NamedTuple):
-    """How long a tow takes, its ΔV, and the mass that is towed."""
+    """How long a tow takes, its ΔV, the mass that is towed, and the part that is flown without."""
 
     time_s: float
     delta_v_m_s: float
     mass_kg: float
+    back_m_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -217,7 +218,9 @@ def content_after(world: World, state: State, place: Place, leg: Leg) -> Numbers
         content = content - tank.kit_kg
     if place.tow is not None:
         both = content + place.tow.mass_kg
-        content = tank.after(both, place.tow.delta_v_m_s) - place.tow.mass_kg
+        docked_m_s = place.tow.delta_v_m_s - place.tow.back_m_s
+        content = tank.after(both, docked_m_s) - place.tow.mass_kg
+        content = tank.after(content, place.tow.back_m_s)
         suffices &= content >= tank.empty(state.kits)
     return np.where(suffices, content, -np.inf)
 
@@ -238,8 +241,9 @@ def launched(world: World, state: State, place: Place, leg: Leg) -> tuple[Number
     if place.takes_kit:
         return state.launched_kg + per_kg * tank.kit_kg, per_kg
     if place.tow is not None:
+        docked = math.exp((place.tow.delta_v_m_s - place.tow.back_m_s) / tank.exhaust_m_s)
         more = math.exp(place.tow.delta_v_m_s / tank.exhaust_m_s)
-        return state.launched_kg + per_kg * place.tow.mass_kg * (more - 1.0), per_kg * more
+        return state.launched_kg + per_kg * place.tow.mass_kg * (docked - 1.0), per_kg * more
     return state.launched_kg, per_kg
 
 

@@ -10,10 +10,13 @@ from plain_rules import Place, Tank, Tow, World
 
 from adr_opt.common.constants import SLACK_M_S
 from adr_opt.mission.mission import Mission
-from adr_opt.problem.bodies import Target
+from adr_opt.problem.bodies import DisposalCircle, Target
 from adr_opt.problem.chasers import Chaser, Expense, TankByMass
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.orbit import Orbit
+
+LONGEST_HALF_S = 4000.0
+"""Half an ellipse between circles takes less [s]; a tow that waits for an apogee takes longer."""
 
 
 def revolution_s(orbit: Orbit | None, dynamics: str) -> float:
@@ -40,19 +43,44 @@ def revolution_s(orbit: Orbit | None, dynamics: str) -> float:
 
 
 def tow_of(target: Target, instance: Instance) -> Tow:
-    """A tow: half an ellipse between two circles."""
-    assert target.orbit is not None
+    """A tow: half an ellipse between two circles, or from the apogee of an ellipse."""
+    orbit, disposal, mu = target.orbit, instance.disposal_of(target), 398600.4418e9
+    assert orbit is not None
     assert target.mass_kg is not None
-    high, low = (
-        target.orbit.semi_major_axis_m,
-        6378137.0 + (target.disposal or instance.mission.disposal).circle_m,
-    )
-    mu, axis = 398600.4418e9, 0.5 * (high + low)
-    delta_v = math.sqrt(mu / high) * (1.0 - math.sqrt(low / axis)) + math.sqrt(mu / low) * (
-        math.sqrt(high / axis) - 1.0
-    )
-    ellipse = target.orbit.replace(semi_major_axis_m=axis, eccentricity=0.0)
-    return Tow(0.5 * revolution_s(ellipse, instance.dynamics), delta_v, target.mass_kg)
+    size, e = orbit.semi_major_axis_m, orbit.eccentricity
+    is_circle = isinstance(disposal, DisposalCircle)
+    if is_circle and 0.5 * math.sqrt(mu / size) * e < 1.0:
+        e, wait_s = 0.0, 0.0
+    else:
+        wait_s = anomalistic_s(orbit, instance.dynamics)
+    top = size * (1.0 + e)
+
+    def at_top(other: float) -> float:
+        """Speed at the apogee with another apsis, from the momentum of the ellipse [m/s]."""
+        return math.sqrt(2.0 * mu / (1.0 / top + 1.0 / other)) / top
+
+    if not is_circle:
+        low = min(6378137.0 + disposal.perigee_m, size * (1.0 - e))
+        kept = max(low, 6378137.0 + instance.transfer.min_altitude_m)
+        docked, back = at_top(size * (1.0 - e)) - at_top(low), at_top(kept) - at_top(low)
+        return Tow(wait_s, docked + back, target.mass_kg, back)
+    low = 6378137.0 + disposal.circle_m
+    first = abs(at_top(size * (1.0 - e)) - at_top(low))
+    second = abs(at_top(low) * top / low - math.sqrt(mu / low))
+    ellipse = orbit.replace(semi_major_axis_m=0.5 * (top + low), eccentricity=0.0)
+    time_s = wait_s + 0.5 * revolution_s(ellipse, instance.dynamics)
+    return Tow(time_s, first + second, target.mass_kg)
+
+
+def anomalistic_s(orbit: Orbit, dynamics: str) -> float:
+    """From perigee to perigee, by the secular rate of the mean anomaly [s]."""
+    a, e = orbit.semi_major_axis_m, orbit.eccentricity
+    n = math.sqrt(398600.4418e9 / a**3)
+    if dynamics == "j2":
+        square = 1.0 - e * e
+        tilt = 3.0 * math.cos(math.radians(orbit.inclination_deg)) ** 2 - 1.0
+        n *= 1.0 + 0.75 * 1.08262668e-3 * (6378137.0 / (a * square)) ** 2 * math.sqrt(square) * tilt
+    return 2.0 * math.pi / n
 
 
 def price_of_time(instance: Instance) -> float:
@@ -167,8 +195,11 @@ def legs_of(mission: Mission) -> Pairs:
         rows = given.origin, given.destination, given.departure, given.arrival, given.cost
         for origin, destination, *leg in zip(*(row.tolist() for row in rows), strict=True):
             found[numbers[origin], numbers[destination]].append(tuple(leg))
-    # Where planes drift, what saves no more than the resolution is no part of the problem.
-    drifts = given is None and instance.dynamics == "j2"
+    # Where planes drift, or a tow ends once a revolution, connections are listed: what saves no
+    # more than the resolution is then no part of the problem.
+    places = places_of(instance) if given is None else ()
+    waits = any(place.tow and place.tow.time_s > LONGEST_HALF_S for place in places)
+    drifts = given is None and (instance.dynamics == "j2" or waits)
     resolution = instance.transfer.delta_v_resolution_m_s if drifts else 0.0
     for i, j in product(range(len(instance.names)), repeat=2):
         if given is None or i in instance.launches or j in instance.launches:

@@ -29,10 +29,11 @@ from adr_opt.kernels.rules.loads import after_service
 from adr_opt.learning.episodes import check_playable
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
+from adr_opt.plan.after_tows import leaving_orbits
 from adr_opt.plan.cargo import followed, loads_of
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.planes import Plane, ahead, outward
-from adr_opt.plan.tows import leaving_orbits, removals_of
+from adr_opt.plan.tows import removals_of
 from adr_opt.ui.plot.gantt import segments
 
 
@@ -69,7 +70,8 @@ def test_what_a_tow_takes_is_half_an_ellipse():
         first = instance.first_target
         for body, tow in removals_of(instance, None).items():
             wanted = tow_of(instance.targets[body - first], instance)
-            assert (tow.time_s, tow.delta_v_m_s, tow.object_kg) == pytest.approx(wanted, rel=1e-10)
+            made = tow.time_s, tow.delta_v_m_s, tow.object_kg, tow.back_m_s
+            assert made == pytest.approx(wanted, rel=1e-9)
 
 
 def test_what_is_left_is_what_masses_say():
@@ -288,7 +290,6 @@ def test_burns_of_tows_are_against_the_motion():
     [
         (lambda i: {"mission": i.mission.replace(disposal=None)}, "mission.disposal"),
         (lambda i: {"mission": i.mission.replace(disposal={"circle_m": 100e3})}, "altitude limits"),
-        (lambda i: {"mission": i.mission.replace(disposal={"circle_m": 900e3})}, "must be below"),
         (
             lambda i: {"targets": (i.targets[0].replace(mass_kg=None), *i.targets[1:])},
             r"targets\[0\].mass_kg: missing",

@@ -69,7 +69,9 @@ def test_a_newer_field_makes_a_newer_file(name: str) -> None:
         changed = instance.replace(transfer=instance.transfer.replace(**NEWER[name]))
     elif name == "perigee":
         disposal = DisposalPerigee(perigee_m=60e3)
-        changed = instance.replace(mission=instance.mission.replace(disposal=disposal))
+        burning = tuple(chaser.replace(thrust_n=None) for chaser in instance.chasers)
+        mission = instance.mission.replace(disposal=disposal)
+        changed = instance.replace(mission=mission, chasers=burning)
     else:
         first, *others = instance.targets
         own = first.replace(disposal={"circle_m": 450e3})

@@ -60,7 +60,7 @@ from adr_opt.ui.report import page
 METHODS = [(group, name) for group in (PLANNERS, BOUNDS) for name in names(group)]
 
 
-UNBUILT = {"free burns", "disposal by perigee"}
+UNBUILT = {"free burns"}
 """Rules of which the file has the fields, and nobody yet the physics."""
 
 

@@ -18,9 +18,9 @@ from scipy.integrate import quad, solve_ivp
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.orbits.collisions import collision
+from adr_opt.problem.air import YEAR_S, lifetimes, table
 from adr_opt.sources import worth
 from adr_opt.sources.catalogue import ElementSet
-from adr_opt.sources.worth.air import YEAR_S, lifetimes, table
 from adr_opt.sources.worth.bodies import STAGES, cylinder
 from adr_opt.sources.worth.breakup import EXPOSURES, KINDS, area_shares, fragment_years
 from adr_opt.sources.worth.pairs import mean_speeds, with_one

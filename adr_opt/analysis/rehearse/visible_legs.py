@@ -16,6 +16,7 @@ from ...learning.next_leg.onward import OnwardLegs, onward, unknown
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.families.ends import is_regular
 from ...plan.leg_kinds import LAUNCH, SHORT
+from ...plan.tows import any_from_apogee
 from ...problem.uncertainty import Uncertainty
 from .flying_chasers import FlyingChaser, full_of
 from .mission_facts import MATCH_S, Hop, MissionFacts, hop_of
@@ -274,7 +275,8 @@ class VisibleLegs:
 def _source_of(finder: ConnectionFinder, facts: MissionFacts, chaser: int) -> Source | None:
     instance = facts.instance
     kinds = {family.kind for family in finder.families}
-    if not kinds <= {SHORT, LAUNCH} or instance.given is not None or instance.spent_m_s:
+    told = instance.given is not None or instance.spent_m_s or any_from_apogee(instance)
+    if not kinds <= {SHORT, LAUNCH} or told:
         return None
     rule = instance.transfer_rule(instance.time_value_m_s_per_h)
     most = np.inf if finder.times is None else finder.times.most

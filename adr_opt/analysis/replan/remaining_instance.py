@@ -8,8 +8,8 @@ from typing import Any
 
 from ...common.errors import InputError
 from ...judge.check.zone_crossings import crossed
+from ...plan.after_tows import released_orbit
 from ...plan.station_limits import StationLimits
-from ...plan.tows import released_orbit
 from ...problem.bodies import Station
 from ...problem.chasers import AtStation, Chaser, Expense, InOrbit
 from ...problem.drives import drive_of

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ...problem.air import FLOAT
 from ...sources.csv_table import csv_text
-from ...sources.worth.air import FLOAT
 from .futures import CASES, Scenario, YearRecord
 from .settings import FRAGMENTS, KINDS
 

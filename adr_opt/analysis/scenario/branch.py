@@ -11,7 +11,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...kernels.orbits.keyed_draws import mixed
-from ...sources.worth.air import YEAR_S
+from ...problem.air import YEAR_S
 from ...sources.worth.pairs import INDICES
 from .campaign import offer
 from .events import (

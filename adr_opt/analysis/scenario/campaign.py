@@ -18,6 +18,7 @@ from ...common.errors import InputError
 from ...kernels.orbits.ephemeris import secular_rates
 from ...kernels.orbits.keyed_draws import keyed_draws
 from ...plan.plan import Leg, Plan
+from ...problem.air import YEAR_S
 from ...problem.bodies import Target
 from ...problem.chasers import InOrbit
 from ...problem.frame import Frame
@@ -26,7 +27,6 @@ from ...problem.orbit import Orbit
 from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, Follower
 from ...problem.support import refuse
 from ...run.front import solve
-from ...sources.worth.air import YEAR_S
 from ...sources.worth.prizes import usual_unit
 from ...sources.worth.worth import worth_of
 from ..replan.chaser_states import states_at

@@ -16,14 +16,7 @@ from ...kernels.orbits.collisions import CollidingObjects, CollisionTables
 from ...kernels.orbits.drawn_collisions import HitKeys, drawn_collisions, fragment_hits
 from ...kernels.orbits.encounters import LEAST_WIDTH_M
 from ...kernels.orbits.keyed_draws import keyed_draws
-from ...sources.worth.air import (
-    DRAG_COEFFICIENT,
-    FLOAT,
-    HIGHEST_M,
-    LOWEST_M,
-    YEAR_S,
-    circular_drag_times,
-)
+from ...problem.air import DRAG_COEFFICIENT, FLOAT, HIGHEST_M, LOWEST_M, YEAR_S, circular_drag_times
 from ...sources.worth.breakup import (
     ALTITUDE_STEP_M,
     CATASTROPHIC_J_KG,

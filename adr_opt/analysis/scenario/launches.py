@@ -20,9 +20,9 @@ from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from ...common.errors import InputError
 from ...common.files import read_text
 from ...kernels.orbits.keyed_draws import keyed_draws
+from ...problem.air import ALTITUDES_KM
 from ...sources.catalogue.records import ElementSet, shown
 from ...sources.csv_table import csv_number, csv_rows
-from ...sources.worth.air import ALTITUDES_KM
 from ...sources.worth.bodies import BY_SIZE, TABLE, Bodies
 from .population import ObjectPopulation, padded
 from .settings import KINDS

@@ -15,8 +15,8 @@ from ...common.errors import InputError
 from ...kernels.orbits.decay import after_drag
 from ...kernels.orbits.encounters import LEAST_WIDTH_M
 from ...kernels.orbits.ephemeris import secular_rates
+from ...problem.air import ALTITUDES_KM, DRAG_COEFFICIENT, FLOAT, YEAR_S, table
 from ...sources.catalogue.propagation import mean_elements, true_anomaly
-from ...sources.worth.air import ALTITUDES_KM, DRAG_COEFFICIENT, FLOAT, YEAR_S, table
 from ...sources.worth.bodies import Bodies
 from ...sources.worth.pairs import INDICES
 from .settings import KINDS, AltitudeShells

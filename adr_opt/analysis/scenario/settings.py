@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...common.errors import InputError
-from ...sources.worth.air import ACTIVITIES, FLOAT
+from ...problem.air import ACTIVITIES, FLOAT
 from ...sources.worth.worth import MOST_YEARS, check_years
 
 KINDS = ("payload", "rocket body", "debris")

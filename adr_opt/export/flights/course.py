@@ -193,7 +193,12 @@ def burnt_of(
             mass_kg = (
                 (after.mass_kg or 0.0) + after.removal_kg + removals[leg.destination].object_kg
             )
-            found[leg.number] += burnt_from(mass_kg, leg.removal, tank.exhaust_m_s)
+            docked = [burn for burn in leg.removal if burn.phase != "return"]
+            towing = burnt_from(mass_kg, docked, tank.exhaust_m_s)
+            alone_kg = mass_kg - removals[leg.destination].object_kg
+            alone_kg -= math.fsum(burn.lost_kg for burn in towing)
+            back = burnt_from(alone_kg, leg.removal[len(docked) :], tank.exhaust_m_s)
+            found[leg.number] += (*towing, *back)
     return found
 
 

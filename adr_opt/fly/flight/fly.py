@@ -9,9 +9,12 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...judge.admit import AnyPlan, admit
+from ...kernels.orbits import ephemeris
+from ...plan.after_tows import left_row
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
+from ..trajectory.bodies import body_states
 from .flyable import refuse_what_cannot_be_flown
 from .mean_flight import MeanDynamics, is_between_circles
 from .result import EccentricFlight, Flight, LegFlight
@@ -53,13 +56,13 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
     flown, lead_ins = [], plan.lead_ins
     for number, leg in enumerate(plan.legs, start=1):
         lead_in = lead_ins.get(number, ())
-        before = _led(motion, orbits, number, leg, lead_in)
+        before, led = _led(instance, motion, orbits, number, leg, lead_in)
         ends = [orbits[leg.origin], orbits[leg.destination]]
         eccentric = None
         if instance.dynamics == "two-body" and not is_between_circles(orbits, leg):
             origin, destination = (motion.true_at_epoch(orbit) for orbit in ends)
-            if before is not None:
-                origin = motion.coast(before, -leg.leaves_s)
+            if led is not None:
+                origin = motion.coast(led, -leg.leaves_s)
             eccentric = fly_eccentric(
                 motion, origin, destination, leg, instance.transfer.standoff_m
             )
@@ -94,21 +97,32 @@ def _true_m_s(
 
 
 def _led(
-    motion: TwoBody, orbits: dict[str, Orbit], number: int, leg: Leg, lead_in: tuple[Burn, ...]
-) -> State | None:
-    """State at the end of lead-in burns; None if the leg leaves the orbit of its origin.
+    instance: Instance,
+    motion: TwoBody,
+    orbits: dict[str, Orbit],
+    number: int,
+    leg: Leg,
+    lead_in: tuple[Burn, ...],
+) -> tuple[State | None, State | None]:
+    """State where a leg begins after lead-in burns, as planned and true; None without such burns.
 
-    The last of them and the first one of the leg are made together.
+    They differ where a tow leads to an ellipse, from which legs are planned as from a circle.
     """
     if not lead_in:
-        return None
+        return None, None
     try:
-        now = lead_in[0].time_s
+        now, row = lead_in[0].time_s, left_row(instance, leg.origin, leg.departure_s)
         state = motion.body(orbits[leg.origin], now)
+        if row is not None:
+            position, velocity = body_states(instance, leg.origin, now, true_orbits=True)
+            state = position[0], velocity[0]
         for burn in lead_in:
             position, velocity = motion.coast(state, burn.time_s - now)
             state, now = (position, velocity + np.array(burn.delta_v_m_s)), burn.time_s
-        return motion.coast(state, leg.leaves_s - now)
+        state = motion.coast(state, leg.leaves_s - now)
+        if row is None or not ephemeris.eccentricity_at(row, ephemeris.EPOCH_S):
+            return state, state
+        return ephemeris.state_at(row, leg.leaves_s), state
     except ArithmeticError as error:
         raise InputError(
             f"leg {number}: the tow before it cannot be flown: {error}; correct its burns"

@@ -5,10 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ...common.errors import InputError
+from ...common.wording import counted
+from ...plan.after_tows import left_row
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
+from ...plan.tows import removals_by_name
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, RELEASES, TOURS, Follower
 from ...problem.support import refuse
 
 TOLD_M = 1e3
@@ -70,7 +73,8 @@ REFINED = Follower(
     | CAMPAIGNS
     | MODELLED
     | TOURS
-    | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"},
+    | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"}
+    | RELEASES,
     "its plans have no trajectory",
 )
 """Who flies refined plans, and who refines."""
@@ -113,12 +117,18 @@ def _refuse_wrong_legs(instance: Instance, plan: Plan) -> None:
     }
     bodies = set(instance.names)
     towed = {target.name for target in instance.targets if target.service.is_flown}
+    burns = {
+        name: len(tow.burns_m_s or ()) for name, tow in removals_by_name(instance, None).items()
+    }
     led_s = _tows_before_s(plan)
     for number, leg in enumerate(plan.legs, start=1):
         _refuse_leg(number, leg, bodies)
-        _refuse_tow(number, leg, leg.destination in towed, number in spiralling)
+        due = burns.get(leg.destination, 0) if leg.destination in towed else None
+        _refuse_tow(number, leg, due, number in spiralling)
         before_s = led_s.get(number, leg.leaves_s)
-        if abs(before_s - leg.leaves_s) > TIME_TOLERANCE_S:
+        waits = left_row(instance, leg.origin, leg.departure_s) is not None
+        late_s = leg.leaves_s - before_s
+        if late_s < -TIME_TOLERANCE_S or (late_s > TIME_TOLERANCE_S and not waits):
             raise InputError(
                 f"leg {number} leaves at {leg.leaves_s!r} s, but the tow before it ends at "
                 f"{before_s!r} s; correct its times"
@@ -165,7 +175,9 @@ def _refuse_broken_route(flown: Flown, who: str) -> None:
         where, free_s = leg.destination, leg.free_s
 
 
-def _refuse_tow(number: int, leg: Leg, is_towed: bool, by_spiral: bool) -> None:
+def _refuse_tow(number: int, leg: Leg, due: int | None, by_spiral: bool) -> None:
+    """Refuse a tow where none is due, or none of a number of burns."""
+    is_towed = due is not None
     if is_towed != (leg.tow is not None):
         # Without it neither the cost of the tow is known, nor where the chaser goes on from.
         wrong = "and the plan has no tow of it" if is_towed else "but for a tow in the plan"
@@ -183,11 +195,12 @@ def _refuse_tow(number: int, leg: Leg, is_towed: bool, by_spiral: bool) -> None:
                 f"{leg.end_s!r}; correct it"
             )
         return
+    assert due is not None  # there is a tow
     times = [burn.time_s for burn in leg.tow.burns]
-    if len(times) != 2 or not leg.end_s - TIME_TOLERANCE_S <= times[0] <= times[1]:
+    if len(times) != due or not leg.end_s - TIME_TOLERANCE_S <= times[0] <= times[-1]:
         raise InputError(
-            f"leg {number}: a tow has two burns, the first one after end_s = {leg.end_s!r}; "
-            "correct them"
+            f"leg {number}: a tow has {counted(due, 'burn')} here, the first one after "
+            f"end_s = {leg.end_s!r}; correct them"
         )
 
 

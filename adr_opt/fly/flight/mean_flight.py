@@ -214,8 +214,6 @@ def _miss_m(instance: Instance, leg: Leg, lead_in: tuple[Burn, ...]) -> float:
     """Distance from the stand-off after the burns of a leg between circles [m]."""
     now, oblateness = leg.burns[0].time_s, instance.oblateness_m2
     position, velocity = leaving_state(instance, leg, lead_in)
-    if lead_in:
-        position, velocity = _moved(position, velocity, now - lead_in[-1].time_s, oblateness)
     for burn in leg.burns:
         position, velocity = _moved(position, velocity, burn.time_s - now, oblateness)
         now = burn.time_s

@@ -30,6 +30,7 @@ from ...problem.orbit import Orbit
 from ..refine.leg import FlownImpulses, LegEnds, NoWay, close
 from ..refine.one_leg import aim, planned_angles, with_a_middle
 from ..refine.own_burns import cheapest_near
+from ..refine.tow import along
 
 Array = npt.NDArray[np.float64]
 
@@ -169,6 +170,7 @@ class Aim:
             orbit.replace(eccentricity=share * orbit.eccentricity)
             for orbit in (self._origin, self._target)
         )
+        origin = self._origin if self._lead_in else origin  # whose burns are of its own size
         rule, start_s = self._instance.transfer, self._burns[0].time_s
         standoff_s, oblateness = self._approach[0].time_s, self._instance.oblateness_m2
         start = _led(origin, self._lead_in, start_s, oblateness, self._decays[0])
@@ -208,7 +210,7 @@ def _led(
     oblateness_m2: float,
     decay_m_per_day: float,
 ) -> Array:
-    """State after lead-in burns: as large as the plan's, against the actual motion."""
+    """State after lead-in burns: as large as the plan's, along the actual motion."""
     if not lead_in:
         return true_state(orbit, oblateness_m2, time_s, decay_m_per_day)
     now = lead_in[0].time_s
@@ -216,7 +218,7 @@ def _led(
     for burn in lead_in:
         mean_motion.coast(state, burn.time_s - now, oblateness_m2)
         now = burn.time_s
-        state[3:] -= burn.size_m_s * state[3:] / np.linalg.norm(state[3:])
+        state[3:] += along(burn, state[3:])
     mean_motion.coast(state, time_s - now, oblateness_m2)
     return state
 

@@ -150,11 +150,13 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
 
 
 def _towing_m_s(legs: list[RefinedLeg]) -> dict[str, float]:
-    """ΔV of tows by spirals, by name of the object [m/s]; burns are as large as in the plan."""
+    """ΔV of tows by spirals or to a perigee, by name of the object; others are as planned [m/s]."""
     ends = [(leg.destination, leg.tow) for leg in legs]
     ends += [(leg.origin, leg.tow_before) for leg in legs if leg.after_launch]
     return {
-        name: tow.delta_v_m_s for name, tow in ends if tow is not None and tow.thrust is not None
+        name: tow.delta_v_m_s
+        for name, tow in ends
+        if tow is not None and tow.planned_delta_v_m_s is not None
     }
 
 

@@ -121,10 +121,15 @@ def _arcs(bodies: Whereabouts, leg: RefinedLeg, step: float) -> Iterator[tuple[A
         state[3:] += tow.burns[0].delta_v_m_s
         return coast("tow", tow.start_s, state, end_s)
 
+    def waiting(tow: RefinedTow, end_s: float) -> tuple[Arc | None, bool]:
+        return coast("wait", tow.released.time_s, state_of(tow.onward), end_s)
+
     if leg.tow_before is None:
         yield docked("wait", leg.origin, leg.ready_s, departure_s)
-    elif leg.after_launch:
-        yield towing(leg.origin, leg.tow_before)
+    else:
+        if leg.after_launch:
+            yield towing(leg.origin, leg.tow_before)
+        yield waiting(leg.tow_before, departure_s)
     state, now, phase = state_of(leg.states[0]), departure_s, "transfer"
     if leg.thrust is not None:
         arc = _thrusting(phase, leg.thrust, state, (now, leg.standoff_s), step, gravity)

@@ -1,76 +1,26 @@
-"""Refinement of one leg: from the docked start via the stand-off to the target; and of tows.
-
-The plan's tows are two burns against the motion between circles, the first half a revolution before
-the second. An osculating orbit is no circle, by kilometres; burns of the same size leave the object
-on an orbit as near to one. Nothing is met at its end, so that there is nothing to correct: the next
-leg begins wherever the tow has led.
-"""
+"""Refinement of one leg: from the docked start via the stand-off to the target."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits.short_periods import Array
 from ...plan.plan import Burn, Leg
-from ...plan.refined_plan import Freedom, RefinedBurn, RefinedLeg, RefinedState, RefinedTow
+from ...plan.refined_plan import Freedom, RefinedBurn, RefinedLeg, RefinedState
 from ...problem.approach import approach_of
 from ...problem.instance import Instance
 from ...problem.settings import SequenceSettings
 from ..trajectory.bodies import leaving_state
 from ..trajectory.kepler import drift, secular
-from .bodies import Gravity, MovingBodies, moved, recorded, state_of
+from .bodies import MovingBodies, moved, recorded, state_of
 from .leg import FlownImpulses, LegEnds, NoWay, cheapen, close, residual
 from .own_burns import cheapest_near
-
-
-class HasStates(Protocol):
-    """Where bodies are at any time."""
-
-    gravity: Gravity
-
-    def state(self, name: str, time_s: float) -> Array:
-        """Inertial state of a body at a time since the epoch, shape (6,) [m, m/s]."""
-        ...
-
-
-def towed(
-    bodies: HasStates, name: str, planned: Sequence[Burn], leaves_s: float = math.inf
-) -> RefinedTow:
-    """Tow an object in true dynamics.
-
-    Parameters
-    ----------
-    bodies : HasStates
-        With the object.
-    name : str
-        Of the object.
-    planned : sequence of Burn
-        The two burns of the plan.
-    leaves_s : float
-        When the next leg leaves, which is the end of the tow up to rounding: no later [s].
-
-    Raises
-    ------
-    ArithmeticError
-        It leads into the Earth.
-    """
-    now = planned[0].time_s
-    state, burns = bodies.state(name, now), []
-    for burn in planned:
-        time_s = min(burn.time_s, leaves_s)
-        state, now = moved(state, time_s - now, bodies.gravity), time_s
-        impulse = -burn.size_m_s * state[3:] / np.linalg.norm(state[3:])
-        state[3:] += impulse
-        made = tuple(impulse.tolist())
-        burns.append(RefinedBurn(time_s=time_s, delta_v_m_s=made, phase="tow"))
-    return RefinedTow(burns=tuple(burns), released=recorded("release", now, state))
-
+from .tow import towed
 
 HELPERS = 24
 """Number of times for additional impulses if the plan's own burns cannot be closed."""
@@ -118,11 +68,11 @@ def refine_leg(
     length = instance.transfer.standoff_m
     transfer, to_target = planned_angles(instance, leg, lead_in)
     rule = instance.transfer
-    led = towed(bodies, leg.origin, lead_in, start_s) if lead_in else None
+    led = towed(instance, bodies, leg.origin, lead_in, start_s) if lead_in else None
     if led is None:
         start = bodies.state(leg.origin, start_s)
     else:
-        start = moved(state_of(led.released), start_s - led.released.time_s, bodies.gravity)
+        start = moved(state_of(led.onward), start_s - led.released.time_s, bodies.gravity)
     course = LegEnds(
         start,
         bodies.following(leg.destination, standoff_s, length),
@@ -170,7 +120,7 @@ def refine_leg(
         states=tuple(_states(course, flown, docking)),
         tow_before=led,
         after_launch=True if after_launch and led is not None else None,
-        tow=None if leg.tow is None else towed(bodies, leg.destination, leg.tow.burns),
+        tow=None if leg.tow is None else towed(instance, bodies, leg.destination, leg.tow.burns),
     )
 
 

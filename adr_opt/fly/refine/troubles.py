@@ -23,7 +23,7 @@ from ..flight.refined_result import MOST_RELEASE_ECCENTRICITY, MOST_RELEASE_OFF_
 from ..flight.result import tank_name
 from ..flight.tanks import legs_by_tank, tanks_of
 from .bodies import Whereabouts, near_circle, state_of
-from .one_leg import towed
+from .tow import towed
 
 
 class Strayed(NamedTuple):
@@ -173,10 +173,10 @@ def _towing(instance: Instance, refined: RefinedPlan, plan: Plan, leg: RefinedLe
     tow = plan.legs[leg.leg - 1].tow
     if tow is None or leg.tow is None or leg.tow.thrust is not None:
         return leg
-    if tow.start_s == leg.tow.start_s:
+    if tow.first_burn_s == leg.tow.start_s:
         return leg
     bodies = Whereabouts.of(instance, refined)
-    return leg.replace(tow=towed(bodies, leg.destination, tow.burns))
+    return leg.replace(tow=towed(instance, bodies, leg.destination, tow.burns))
 
 
 def _holding(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:

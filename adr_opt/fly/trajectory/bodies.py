@@ -12,6 +12,7 @@ from ...common.constants import MU_M3_S2
 from ...common.errors import InputError
 from ...kernels.orbits import elements, ephemeris
 from ...kernels.orbits.ephemeris import EPOCH_S
+from ...plan.after_tows import left_row
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
@@ -61,6 +62,8 @@ def leaving_state(
 ) -> tuple[Array, Array]:
     """State at a leg's departure, before its first burn: position [m], velocity [m/s], shape (3,).
 
+    Where the tow before it leads to an ellipse, on the circle that legs from there are planned on.
+
     Parameters
     ----------
     instance : Instance
@@ -68,15 +71,37 @@ def leaving_state(
     lead_in : sequence of Burn
         Those that lead there from the orbit of its origin, as of :attr:`.Plan.lead_ins`.
     """
-    now = lead_in[0].time_s if lead_in else leg.leaves_s
-    position, velocity = (state[0] for state in body_states(instance, leg.origin, now))
+    if not lead_in:
+        position, velocity = (s[0] for s in body_states(instance, leg.origin, leg.leaves_s))
+        return position, velocity
+    row = left_row(instance, leg.origin, leg.departure_s)
+    if row is not None and float(ephemeris.eccentricity_at(row, EPOCH_S)):
+        position, velocity = ephemeris.state_at(row, leg.leaves_s)
+        return position, velocity
+    now, position, velocity = after_burns(instance, leg.origin, lead_in)
+    if row is None:
+        return position, velocity
+    positions, velocities = drift(position, velocity, leg.leaves_s - now, instance.oblateness_m2)
+    return positions[0], velocities[0]
+
+
+def after_burns(
+    instance: Instance, body: str, lead_in: Sequence[Burn]
+) -> tuple[float, Array, Array]:
+    """Time of the last burn of a tow [s], and position [m] and velocity [m/s] after it, (3,).
+
+    One that begins at an apogee does so on the true orbit of the object.
+    """
+    now = lead_in[0].time_s
+    true = left_row(instance, body, now) is not None
+    position, velocity = (s[0] for s in body_states(instance, body, now, true_orbits=true))
     for burn in lead_in:
         span_s, now = burn.time_s - now, burn.time_s
         if span_s:
             positions, velocities = drift(position, velocity, span_s, instance.oblateness_m2)
             position, velocity = positions[0], velocities[0]
         velocity = velocity + np.array(burn.delta_v_m_s)
-    return position, velocity
+    return now, position, velocity
 
 
 def body_secular(instance: Instance, body: str) -> tuple[float, float]:

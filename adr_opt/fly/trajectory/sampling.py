@@ -17,10 +17,11 @@ import numpy as np
 from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...legs.service_limits import service_begins
+from ...plan.after_tows import left_row
 from ...plan.plan import Burn, Leg, Plan, Tow
 from ...problem.instance import Instance
 from ..flight.flyable import refuse_what_cannot_be_flown
-from .bodies import body_secular, body_states, leaving_state
+from .bodies import after_burns, body_secular, body_states, leaving_state
 from .kepler import Array, drift, secular
 
 STEP_S, LONG_STEP_S, LONG_ARC_S = 60.0, 300.0, DAY_S
@@ -204,6 +205,10 @@ def _arcs(
         times = None if lead_in else _times(leg.ready_s, leg.leaves_s, step_s)
         if times is not None:
             found.append(_at_body("wait", times, instance, leg.origin))
+        if lead_in and left_row(instance, leg.origin, leg.departure_s) is not None:
+            found += _released(
+                instance, leg.origin, lead_in, (leg.departure_s, leg.leaves_s), step_s
+            )
         for burn, after in pairwise(leg.burns):
             end = after.time_s
             velocity = velocity + np.array(burn.delta_v_m_s)
@@ -239,25 +244,43 @@ def _stay(instance: Instance, leg: Leg, step_s: float | None) -> Iterator[Arc]:
             yield _at_body(phase, times, instance, leg.destination)
     if leg.tow is None:
         return
-    times = _times(leg.end_s, leg.tow.start_s, step_s)
+    times = _times(leg.end_s, leg.tow.burns[0].time_s, step_s)
     if times is not None:
         yield _at_body("wait", times, instance, leg.destination)
     arc = _towed(instance, leg.destination, leg.tow, step_s)
     if arc is not None:
         yield arc
+    span_s = leg.tow.burns[-1].time_s, leg.tow.end_s
+    yield from _released(instance, leg.destination, leg.tow.burns, span_s, step_s)
 
 
 def _towed(instance: Instance, body: str, tow: Tow, step_s: float | None) -> Arc | None:
     """The arc of a tow; None if its duration is negligible."""
-    begin, end = tow.burns
+    begin, end = tow.burns[0], tow.burns[-1]
     times = _times(begin.time_s, end.time_s, step_s)
     if times is None:
         return None
-    position, velocity = (state[0] for state in body_states(instance, body, begin.time_s))
-    velocity = velocity + np.array(begin.delta_v_m_s)
+    _, position, velocity = after_burns(instance, body, tow.burns[:1])
     oblateness = instance.oblateness_m2
     positions, velocities = drift(position, velocity, times - begin.time_s, oblateness)
     return _arc("tow", times, positions, velocities, *secular(position, velocity, oblateness))
+
+
+def _released(
+    instance: Instance,
+    body: str,
+    burns: tuple[Burn, ...],
+    span_s: tuple[float, float],
+    step_s: float | None,
+) -> Iterator[Arc]:
+    """The wait between two times where the burns of a tow from apogee have led, if there is one."""
+    times = _times(*span_s, step_s)
+    if times is not None:
+        now, position, velocity = after_burns(instance, body, burns)
+        oblateness = instance.oblateness_m2
+        positions, velocities = drift(position, velocity, times - now, oblateness)
+        pace = secular(position, velocity, oblateness)
+        yield _arc("wait", times, positions, velocities, *pace)
 
 
 def _step(duration_s: float, step_s: float | None) -> float:

@@ -32,7 +32,7 @@ from .eccentric import StatedSequence, matching_cost
 from .figures import check_burns, check_costs
 from .given import check_given
 from .low_thrust import check_low_thrust
-from .tow import Towed, towed_bodies
+from .towed import Towed, towed_bodies
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 from .zone_crossings import crossed
 
@@ -80,11 +80,14 @@ class Physics(NamedTuple):
     elements : (bodies, columns) float64
         Of bodies as they are arrived at.
     left : (bodies, columns + 1) float64
-        Of bodies as they are left, and the rate of the node after that, see :mod:`.tow` [rad/s].
+        Of bodies as they are left, and the rate of the node after that, see :mod:`.tow` [rad/s];
+        where a tow begins at an apogee, ask :meth:`leaving`.
     rule : TransferRule
     given : Given or None
     towed : dict of str to Towed
         The targets that are towed, by name.
+    pieced : dict of int to Towed
+        Those whose tow begins at an apogee, by number of the body.
     """
 
     elements: npt.NDArray[np.float64]
@@ -92,17 +95,25 @@ class Physics(NamedTuple):
     rule: co_elliptic.TransferRule
     given: Given | None
     towed: dict[str, Towed]
+    pieced: dict[int, Towed]
+
+    def leaving(self, i: int, time_s: float) -> npt.NDArray[np.float64]:
+        """A body as it is left at a time, shape (columns + 1,)."""
+        row: npt.NDArray[np.float64] = self.left[i]
+        return self.pieced[i].left_at(time_s) if i in self.pieced else row
 
     @classmethod
     def of(cls, instance: Instance, drive: Drive | None) -> Physics:
         """The data of an instance, for chasers with a drive or with impulses."""
         elements = instance.orbits()
         left = as_left(elements)
-        towed = towed_bodies(instance, elements, drive)
+        towed, pieced = towed_bodies(instance, elements, drive), dict[int, Towed]()
         for body, name in enumerate(instance.names):
             if name in towed:
                 left[body] = towed[name].left
-        return cls(elements, left, instance.transfer_rule(), instance.given, towed)
+                if towed[name].period_s:
+                    pieced[body] = towed[name]
+        return cls(elements, left, instance.transfer_rule(), instance.given, towed, pieced)
 
 
 def check_transfer(
@@ -127,7 +138,7 @@ def check_transfer(
     if leg.kind == GIVEN.name:
         yield Violation(number, "given", "is given, but the instance has connections of the model")
         return leg.arrival_s, leg.delta_v_m_s
-    between = physics.left[i], physics.elements[j]
+    between = physics.leaving(i, leg.departure_s), physics.elements[j]
     drive = drive_of(chaser, instance.targets)
     if leg.kind == LOW_THRUST.name:
         return (
@@ -140,7 +151,7 @@ def check_transfer(
         return (yield from check_drift(instance, between, physics.rule, number, leg, free))
     if leg.kind != SHORT.name:
         return (yield from check_registered(instance, number, leg, ends, free))
-    origin, destination, rule = physics.left[i], physics.elements[j], physics.rule
+    origin, destination, rule = *between, physics.rule
     pair = co_elliptic.prepare(origin, destination, 0.0, rule, ephemeris.EPOCH_S)
     if instance.dynamics == "j2":
         sequence = yield from _check_drifting_planes(

@@ -18,9 +18,11 @@ from ...problem.drives import Drive, drive_of
 from ...problem.instance import Instance
 from .altitude import Heights
 from .leg import Physics, check_transfer
+from .lifetime import check_lifetime
 from .shared import Drawn, check_apart, launch_times
 from .tank import TankLevel
-from .tow import Towed, check_tow
+from .tow import check_tow
+from .towed import Towed
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 from .zone_crossings import crossed
 
@@ -130,6 +132,7 @@ def _check_route(
 ) -> Generator[Violation, None, bool]:
     """Follow one chaser up to the end of its last leg; returns whether it got there."""
     heights, led_from, oblateness_m2 = Heights(instance), set[str](), instance.oblateness_m2
+    targets = {target.name: target for target in instance.targets}
     for at, leg in enumerate(route):
         number, following = first + at, route[at + 1] if at + 1 < len(route) else None
         leads_on = yield from _check_order(bodies, now, visited, number, leg)
@@ -153,6 +156,7 @@ def _check_route(
             instance, bodies, now, number, leg, arrival, physics.elements[j], towed
         )
         yield from check_tow(towed, number, leg, end, following, oblateness_m2)
+        yield from check_lifetime(instance, number, targets.get(leg.destination), towed)
         if instance.given is None and leg.kind != GIVEN.name:
             until = end if leg.tow is None else leg.tow.start_s
             led = leg.kind == LAUNCH.name or leg.origin in led_from
@@ -320,7 +324,7 @@ def _check_tank(
     elif leg.destination in bodies.kits - visited:
         tank.leave_kit()
     elif towed is not None and leg.destination not in visited:
-        tank.tow(towed.delta_v_m_s, towed.mass_kg)
+        tank.tow(towed.delta_v_m_s, towed.mass_kg, towed.back_m_s)
         if tank.left_m_s < -SLACK_M_S:
             yield Violation(
                 number, "delta-v", f"tows {leg.destination!r}, but has too little left for that"

@@ -131,9 +131,10 @@ def _expense_of(instance: Instance, chaser: Chaser, legs: Sequence[Leg]) -> floa
             start_kg += lifted * chaser.kit_mass_kg
             aboard -= 1
         if leg.tow is not None:
-            ratio = math.exp(leg.tow.delta_v_m_s / (tank.isp_s * 9.80665))
-            start_kg += lifted * (ratio - 1.0) * towed[leg.destination]
-            lifted *= ratio
+            back_m_s, exhaust_m_s = leg.tow.back_m_s, tank.isp_s * 9.80665
+            docked = math.exp((leg.tow.delta_v_m_s - back_m_s) / exhaust_m_s)
+            start_kg += lifted * (docked - 1.0) * towed[leg.destination]
+            lifted *= docked * math.exp(back_m_s / exhaust_m_s)
         if leg.destination in stations:
             break
     start_kg += lifted * (tank.dry_mass_kg + aboard * chaser.kit_mass_kg)

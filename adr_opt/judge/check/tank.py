@@ -75,11 +75,12 @@ class TankLevel:
         if self.mass_kg is not None:
             self.mass_kg -= propellant_kg
 
-    def tow(self, delta_v_m_s: float, object_kg: float) -> None:
-        """Spend ΔV from the tank, towing an object that is released afterwards."""
+    def tow(self, delta_v_m_s: float, object_kg: float, back_m_s: float = 0.0) -> None:
+        """Spend ΔV from the tank, towing an object; the part ``back_m_s`` after its release."""
         assert self.mass_kg is not None
-        both = (self.mass_kg + object_kg) * math.exp(-delta_v_m_s / self._tank.exhaust_m_s)
-        self.mass_kg = both - object_kg
+        docked = (delta_v_m_s - back_m_s) / self._tank.exhaust_m_s
+        self.mass_kg = (self.mass_kg + object_kg) * math.exp(-docked) - object_kg
+        self.mass_kg *= math.exp(-back_m_s / self._tank.exhaust_m_s)
 
     def leave_kit(self) -> None:
         """Leave one of the kits behind."""

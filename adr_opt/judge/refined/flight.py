@@ -14,6 +14,7 @@ from ...common.errors import InputError
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState, RefinedTow
 from ...problem.approach import approach_of
+from ...problem.bodies import DisposalPerigee, Target
 from ...problem.chasers import Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
@@ -31,7 +32,7 @@ from .thrust import (
     fly_thrust,
     refuse_wrong_thrust,
 )
-from .world import SAME_M, SAME_M_S, BodyStates, FreeMotion, Towing, begun, prograde
+from .world import SAME_M, SAME_M_S, BodyStates, FreeMotion, Towing, begun, onward, prograde
 
 Array = npt.NDArray[np.float64]
 
@@ -63,6 +64,10 @@ class _Judge(NamedTuple):
     chaser: Chaser
     masses: Masses
     heights: Heights
+
+    def target(self, name: str) -> Target:
+        """A target by its name."""
+        return next(target for target in self.instance.targets if target.name == name)
 
 
 def check_flight(
@@ -106,11 +111,13 @@ def _check_masses(judge: _Judge) -> Iterator[Violation]:
 def _check_leg(judge: _Judge) -> Iterator[Violation]:
     """Fly a leg from its stated departure, and compare all states."""
     instance, world, bodies, leg = judge.instance, judge.world, judge.bodies, judge.leg
+    alone_m = math.inf
     if leg.tow_before is not None:
         led = Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
         yield from _check_released(
             judge, leg.origin, leg.tow_before, led, judged=leg.after_launch is True
         )
+        alone_m = _lap(judge, onward(led.state, leg.tow_before), leg.tow_before)
     start = begun(world, bodies, leg, instance)
     yield from _off(leg.leg, "departure", _array(leg.states[0]), start, "where it begins")
     passed, lowest_m, shadow_s = _flown(judge)
@@ -128,11 +135,12 @@ def _check_leg(judge: _Judge) -> Iterator[Violation]:
             )
     if instance.transfer.approach == "safety-ellipse":
         yield from _check_missed(judge, passed)
-    lowest_m = min(lowest_m, _lowest_docked(judge, start))
+    lowest_m = min(lowest_m, alone_m, _lowest_docked(judge, start))
     if leg.tow is not None:
         led = Towing(world, bodies, instance, leg.leg).flown(leg.destination, leg.tow)
         yield from _check_released(judge, leg.destination, leg.tow, led, judged=True)
-        lowest_m, shadow_s = min(lowest_m, led.lowest_m), max(shadow_s, led.shadow_s)
+        alone_m = _lap(judge, onward(led.state, leg.tow), leg.tow)
+        lowest_m, shadow_s = min(lowest_m, alone_m, led.lowest_m), max(shadow_s, led.shadow_s)
     yield from _check_limits(judge, lowest_m, shadow_s)
 
 
@@ -222,17 +230,35 @@ def _check_released(
         yield Violation(number, "release", f"its state is called {tow.released.event!r}")
     if not judged:
         return
-    orbit = released(prograde(led.state), judge.world.zonals)
-    axis = EARTH_RADIUS_M + orbit.altitude_m
-    low, high = (axis * (1.0 + side * orbit.eccentricity) - EARTH_RADIUS_M for side in (-1.0, 1.0))
-    circle_m = judge.instance.circle_m(name)
-    if max(abs(low - circle_m), abs(high - circle_m)) > MOST_RELEASE_OFF_M:
+    disposal = judge.instance.disposal_of(judge.target(name))
+    if isinstance(disposal, DisposalPerigee):
+        wanted, said = disposal.perigee_m, "a perigee of"
+        found = [_lap(judge, led.state, tow) - EARTH_RADIUS_M]
+        # One that is lower from the beginning stays as it is.
+        if found[0] < wanted and tow.delta_v_m_s == 0.0:
+            return
+    else:
+        wanted, said = judge.instance.circle_m(name), "the circle at"
+        orbit = released(prograde(led.state), judge.world.zonals)
+        axis, e = EARTH_RADIUS_M + orbit.altitude_m, orbit.eccentricity
+        found = [axis * (1.0 + side * e) - EARTH_RADIUS_M for side in (-1.0, 1.0)]
+    if max(abs(each - wanted) for each in found) > MOST_RELEASE_OFF_M:
+        there = " × ".join(f"{each / 1e3:.1f}" for each in found)
         yield Violation(
             number,
             "release",
-            f"the object is released at {low / 1e3:.1f} × {high / 1e3:.1f} km, more than "
-            f"{MOST_RELEASE_OFF_M / 1e3:g} km off the circle at {circle_m / 1e3:g} km",
+            f"the object is released at {there} km, more than {MOST_RELEASE_OFF_M / 1e3:g} km off "
+            f"{said} {wanted / 1e3:g} km",
         )
+
+
+def _lap(judge: _Judge, state: Array, tow: RefinedTow) -> float:
+    """Least radius in the first revolution after a release [m]."""
+    inverse = 2.0 / math.hypot(*state[:3]) - float(state[3:] @ state[3:]) / MU_M3_S2
+    if not inverse > 0.0:
+        raise ArithmeticError("the burns lead away from the Earth")
+    since_s = tow.released.time_s
+    return judge.world.arc(state, since_s, since_s + math.tau / math.sqrt(MU_M3_S2 * inverse**3))[1]
 
 
 def _lowest_docked(judge: _Judge, start: Array) -> float:

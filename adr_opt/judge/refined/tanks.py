@@ -58,7 +58,7 @@ def planned_masses(instance: Instance, plan: Plan) -> dict[int, Masses]:
             elif leg.destination in kits:
                 tank.leave_kit()
             elif leg.tow is not None and tank.mass_kg is not None:
-                tank.tow(leg.tow.delta_v_m_s, objects[leg.destination])
+                tank.tow(leg.tow.delta_v_m_s, objects[leg.destination], leg.tow.back_m_s)
     return found
 
 
@@ -96,8 +96,8 @@ def check_tanks(
                 later = refined.get(legs[at + 1][0]) if at + 1 < len(legs) else None
                 made = None if later is None else later.tow_before
                 made = made if flown is None else flown.tow
-                towing = leg.tow.delta_v_m_s if made is None else made.delta_v_m_s
-                tank.tow(towing, objects[leg.destination])
+                towing = leg.tow if made is None else made
+                tank.tow(towing.delta_v_m_s, objects[leg.destination], towing.back_m_s)
                 lacking = max(lacking, -tank.left_m_s)
             if lacking > DELTA_V_TOLERANCE_M_S:
                 yield Violation(

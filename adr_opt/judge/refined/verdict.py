@@ -14,7 +14,7 @@ from ...common.errors import InputError
 from ...plan.plan import Leg, Plan, Tow
 from ...plan.refined_plan import Freedom, RefinedLeg, RefinedPlan, RefinedTow, reference
 from ...problem.instance import AnyInstance, Instance
-from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, TOGETHER, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, RELEASES, TOGETHER, TOURS, Follower
 from ...problem.support import followed
 from ..check.violation import TIME_TOLERANCE_S, Violation
 from .flight import check_flight
@@ -179,11 +179,12 @@ def _check_tow(
             has = "has no" if planned is None else "has a"
             yield Violation(number, "tow", f"{field}: the plan {has} tow there")
         return
-    if abs(found.released.time_s - planned.end_s) > TIME_TOLERANCE_S:
+    ends_s = planned.burns[-1].time_s if planned.burns else planned.end_s
+    if abs(found.released.time_s - ends_s) > TIME_TOLERANCE_S:
         yield Violation(
             number,
             "tow",
-            f"{field}: releases at {found.released.time_s!r}, but in the plan at {planned.end_s!r}",
+            f"{field}: releases at {found.released.time_s!r}, but in the plan at {ends_s!r}",
         )
     if (found.thrust is None) != bool(planned.burns):
         yield Violation(number, "tow", f"{field}: has burns, or thrust, where the plan has not")
@@ -198,9 +199,20 @@ def _check_tow(
                 f"{planned.delta_v_m_s!r}",
             )
     else:
+        aimed = found.planned_delta_v_m_s is not None
+        if aimed and abs(found.planned_m_s - planned.delta_v_m_s) > SAME_M_S:
+            yield Violation(
+                number,
+                "tow",
+                f"{field}: planned_delta_v_m_s = {found.planned_m_s!r}, but in the plan "
+                f"{planned.delta_v_m_s!r}",
+            )
+        if [made.phase for made in found.burns] != [wanted.phase for wanted in planned.burns]:
+            yield Violation(number, "tow", f"{field}: has other burns than in the plan")
         for made, wanted in zip(found.burns, planned.burns, strict=False):
             late = abs(made.time_s - wanted.time_s)
-            off = abs(made.size_m_s - wanted.size_m_s)
+            # A lowered perigee is aimed at by burns of their own size.
+            off = 0.0 if aimed else abs(made.size_m_s - wanted.size_m_s)
             if late > TIME_TOLERANCE_S or off > SAME_M_S:
                 yield Violation(
                     number,
@@ -219,7 +231,7 @@ UNJUDGED = "unjudged"
 
 FOLLOWS = Follower(
     "check of refined plans",
-    FIRST | CAMPAIGNS | MODELLED | TOURS | TOGETHER | {"functions of time"},
+    FIRST | CAMPAIGNS | MODELLED | TOURS | TOGETHER | RELEASES | {"functions of time"},
 )
 
 

@@ -250,12 +250,13 @@ class Towing(NamedTuple):
         if tow.thrust is not None:
             course = Course(self.leg, tow.start_s, tow.released.time_s, 0.0)
             return fly_thrust(self.instance, tow.thrust, course, state, self.world.zonals)
-        begin, end = tow.burns
-        moving = state.copy()
-        moving[3:] += begin.delta_v_m_s
-        moving, lowest = self.world.arc(moving, begin.time_s, end.time_s)
-        moving = moving.copy()
-        moving[3:] += end.delta_v_m_s
+        moving, now, lowest = state, tow.start_s, math.inf
+        for burn in tow.burns:
+            if burn.phase == "return":  # without the object
+                break
+            moving, low = self.world.arc(moving, now, burn.time_s)
+            moving, now, lowest = moving.copy(), burn.time_s, min(lowest, low)
+            moving[3:] += burn.delta_v_m_s
         return ThrustFlown(moving, tow.delta_v_m_s, math.nan, 0.0, lowest)
 
 
@@ -265,7 +266,17 @@ def begun(world: FreeMotion, bodies: BodyStates, leg: RefinedLeg, instance: Inst
     if leg.tow_before is None:
         return bodies.state(leg.origin, now)
     led = Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
-    return world.arc(led.state, leg.tow_before.released.time_s, now)[0]
+    alone = onward(led.state, leg.tow_before)
+    return world.arc(alone, leg.tow_before.released.time_s, now)[0]
+
+
+def onward(state: Array, tow: RefinedTow) -> Array:
+    """State of the chaser after a release: with the burn back that it makes alone."""
+    alone = state.copy()
+    for burn in tow.burns:
+        if burn.phase == "return":
+            alone[3:] += burn.delta_v_m_s
+    return alone
 
 
 def reported_of(instance: Instance, refined: RefinedPlan) -> ReportedStates | None:

@@ -22,7 +22,7 @@ from ...common.constants import SLACK_M_S
 from ...kernels.core.compile import inlined
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.instance import Instance
-from ..check.tow import Towed
+from ..check.towed import Towed
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -114,9 +114,13 @@ def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Car
         if heavy:
             share[takes == 1, 1:] = empty_kg[1:] / empty_kg[:-1]
         for name, tow in towed.items():
-            body, kept = instance.names.index(name), -tow.delta_v_m_s / tank.exhaust_m_s
-            share[body] = math.exp(kept)
-            lost[body] = -math.expm1(kept) * (1.0 + tow.mass_kg / empty_kg)
+            body = instance.names.index(name)
+            alone = math.exp(-tow.back_m_s / tank.exhaust_m_s)
+            kept = -(tow.delta_v_m_s - tow.back_m_s) / tank.exhaust_m_s
+            share[body] = alone * math.exp(kept)
+            # What is left of an empty tank is less than nothing by so much.
+            gone = -alone * math.expm1(kept) * (1.0 + tow.mass_kg / empty_kg)
+            lost[body] = gone + (1.0 - alone)
     return Cargo(takes, full, begun, tank.exhaust_m_s, share, lost, heavy)
 
 

@@ -21,7 +21,7 @@ from ...plan.plan import Plan
 from ...problem.chasers import Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
-from ..check.tow import towed_bodies
+from ..check.towed import towed_bodies
 from .claim import remembered, worths_of
 from .cuts import cuts_of
 from .legs import legs_of

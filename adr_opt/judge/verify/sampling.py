@@ -23,6 +23,7 @@ from ...plan.plan import Burn, Leg, burns_of
 from ...problem.instance import Instance
 from ..check.altitude import Heights
 from ..check.leg import Physics, check_transfer
+from ..check.lifetime import NEAR, outstays
 from ..check.tow import may_end_far
 from ..check.violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
 from .sequences import ways_after
@@ -132,7 +133,7 @@ def _faults(
     if family.kind is SHORT:
         # The least ΔV for eccentric ends has no burns, so none of it is asked for here.
         times, vectors, phases = burn_kernels.burns_between(
-            physics.left[i], physics.elements[j], 0.0, physics.rule, *stated
+            physics.leaving(i, departure), physics.elements[j], 0.0, physics.rule, *stated
         )
         leaves = float(times[0])
         if not np.isfinite(np.column_stack([times, vectors])).all():
@@ -185,6 +186,10 @@ def _is_barred(instance: Instance, physics: Physics, way: Way, i: int, j: int) -
     """
     if physics.given is not None:
         return False
+    if j >= instance.first_target:
+        target = instance.targets[j - instance.first_target]
+        if outstays(instance, target, physics.towed.get(target.name), NEAR):
+            return True
     heights, stays_s = Heights(instance), services_s(instance)
     ends = [(i, way.departure)]
     if j < instance.first_target:

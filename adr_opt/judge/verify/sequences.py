@@ -25,6 +25,9 @@ STEADY_RAD = 0.2
 """Largest shift of the line of nodes for which a sequence must be present: beyond it, the few
 fixed-point steps of planning or flying may not find it [rad]."""
 
+LEAVING_S = 2.0 * 17.0
+"""Time before another piece of a tow from apogee begins in which no sequence need leave [s]."""
+
 NEAREST_RAD = 1e-4
 """Least angle between planes at departure for which a sequence must be present: below it, the
 flight itself makes the line of nodes, as between objects in one plane of which one was towed [rad].
@@ -84,7 +87,8 @@ def ways_after(
             lands = leaves + number * step
             if lands > instance.mission.duration_s:
                 break
-            cost, _ = drift_cost(physics.left[i], physics.elements[j], physics.rule, leaves, lands)
+            left = physics.leaving(i, leaves)
+            cost, _ = drift_cost(left, physics.elements[j], physics.rule, leaves, lands)
             yield Way(leaves, lands, cost)
 
 
@@ -115,13 +119,20 @@ def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) ->
     have *the cheapest of each crossing*, and sequences of one event count as *leaving together*:
     then one that meets the target on an earlier crossing is as good if it costs no more.
     """
-    rule = physics.rule
-    pair = co_elliptic.prepare(physics.left[i], physics.elements[j], 0.0, rule, ephemeris.EPOCH_S)
+    rule, ends = physics.rule, (physics.leaving(i, time), physics.elements[j])
+    pair = co_elliptic.prepare(*ends, 0.0, rule, ephemeris.EPOCH_S)
     approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
-    ends = physics.left[i], physics.elements[j]
+    # Where a tow begins at an apogee the chaser is another body after the next one.
+    since_s, ends_s = 0.0, math.inf
+    if i in physics.pieced:
+        towed = physics.pieced[i]
+        since_s = towed.time_s  # before which nobody has towed it
+        ends_s = towed.begins_s(time) + towed.flight_s + towed.period_s - LEAVING_S
     cheapest: dict[int, tuple[Way, bool]] = {}
     settled = _drifting if instance.dynamics == "j2" else _fixed
     for crossing, laps, departure, met, radius, theta, moved in settled(pair, rule, time):
+        if not since_s <= departure <= ends_s:
+            continue
         if zones.is_blocked(pair, rule, laps, radius, departure):
             continue
         arrival = met + approach

@@ -15,7 +15,7 @@ from ...legs.connection_finder import ConnectionFinder
 from ...problem.chasers import AtStation, Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
-from ..check.tow import towed_bodies
+from ..check.towed import towed_bodies
 from .cargo import Cargo, StayCounts, cargo_of, counting_of, none_beyond
 
 FloatArray = npt.NDArray[np.float64]

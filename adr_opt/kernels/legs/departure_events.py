@@ -32,8 +32,8 @@ class Times(NamedTuple):
 
 
 @kernel
-def events_of(pair, duration, spacing):
-    """Departure events within a mission, at least a spacing apart [s].
+def events_of(pair, since, duration, spacing):
+    """Departure events from a time until the end of a mission, at least a spacing apart [s].
 
     Returns
     -------
@@ -42,11 +42,11 @@ def events_of(pair, duration, spacing):
         The other fields of :class:`.precession.Event`.
     """
     steps = max(1, math.ceil(spacing * pair.rate_i / math.pi - 1e-9))
-    length = max(duration, 0.0)
-    fastest = pair.rate_i + max(pair.acceleration_i, 0.0) * length
+    length = max(duration - since, 0.0)
+    fastest = pair.rate_i + max(pair.acceleration_i, 0.0) * max(duration, 0.0)
     most = int(length * fastest / math.pi / steps) + 3
     half_turns, numbers = np.empty(most, np.int64), np.empty((most, 5))
-    event = precession.first_event(pair)
+    event = precession.first_event(pair, since)
     count, after = 0, steps * math.pi / pair.rate_i
     while event.time <= duration and count < most:
         half_turns[count] = event.half_turns

@@ -13,7 +13,8 @@ import numpy as np
 from ..core.compile import kernel
 from ..core.lists import chosen, wider
 from ..orbits import ephemeris
-from . import drift_linear
+from ..orbits.ephemeris import EPOCH_S
+from . import drift_linear, drift_pair
 from .drift import split
 from .drift_free import first_guess, free_phase
 from .drift_pair import margin, radius_of, task_of
@@ -126,14 +127,16 @@ def first_to_last(departures, arrivals, costs, count):
 
 
 @kernel
-def of_pair(pair, zones, times, duration, resolution, shorts, kept):
+def of_pair(orbits_i, orbit_j, rule, times, duration, resolution, shorts, kept):
     """Undominated transfers of a pair: short ones, and long ones on a grid of times.
 
     Parameters
     ----------
-    pair : DriftPair
-    zones : (zones, 4) float64
-        As in :class:`.co_elliptic.TransferRule`.
+    orbits_i : (1 or times, columns) float64
+        The origin as it is left, at each time of the grid if it is another body then; its size,
+        shape and inclination stay.
+    orbit_j : (columns,) float64
+    rule : TransferRule
     times : Times
     duration : float
         The last arrival [s].
@@ -148,6 +151,7 @@ def of_pair(pair, zones, times, duration, resolution, shorts, kept):
     -------
     LongTransfers
     """
+    pair, zones = drift_pair.prepare(orbits_i[0], orbit_j, rule, EPOCH_S), rule.zones
     departure, arrival, delta_v = shorts.departure, shorts.arrival, shorts.delta_v
     step, most = times.step, times.most
     points = math.floor(duration / step) + 1
@@ -174,6 +178,10 @@ def of_pair(pair, zones, times, duration, resolution, shorts, kept):
             short -= 1
         if floor > most or begin * step > times.leave_by:
             continue
+        if orbits_i.shape[0] > 1:
+            pair = drift_pair.prepare(orbits_i[begin], orbit_j, rule, EPOCH_S)
+            for t in range(begin + 1, points if pair.linear.eccentricity_i > 0.0 else 0):
+                shape[t] = drift_linear.shape_left(pair.linear, t * step)
         last = min(begin + furthest, points - 1)
         cheapest = most + resolution
         looked, lag = begin + 1, math.inf

@@ -9,11 +9,11 @@ import math
 import numpy as np
 
 from ..core.compile import kernel
-from ..core.lists import chosen, filled, ranks, rising
+from ..core.lists import chosen, filled, ranks, rising, wider
 from ..orbits.ephemeris import EPOCH_S
-from . import co_elliptic, drift_grid, drift_pair
+from . import co_elliptic, drift_grid, phasing
 from .found import DRIFT, SHORT, ConnectionArrays
-from .short_transfers import short
+from .short_transfers import Piece, short
 
 
 @kernel
@@ -105,8 +105,10 @@ def short_ones(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolutio
     ConnectionArrays
     """
     pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, EPOCH_S)
+    piece = Piece(0.0, math.inf, times.leave_by)
+    curves = phasing.curves_of(pair, rule)
     found, order = short(
-        pair, rule, duration, times.interval, times.most, times.leave_by, resolution
+        pair, rule, curves, duration, times.interval, times.most, piece, resolution
     )
     size = order.size
     _by_departure(found.departure, found.arrival, order)
@@ -122,12 +124,60 @@ def short_ones(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolutio
 
 
 @kernel
-def with_drifts(orbit_i, orbit_j, rule, times, duration, resolution, found):
+def short_ones_of_pieces(pieces, orbit_j, extra_delta_v, rule, times, duration, resolution):
+    """Short transfers of a pair whose origin is left piece by piece, undominated in each piece.
+
+    Parameters
+    ----------
+    pieces : adr_opt.plan.after_tows.Pieces
+    orbit_j, extra_delta_v, rule, times, duration, resolution
+        As :func:`short_ones` takes them.
+
+    Returns
+    -------
+    ConnectionArrays
+        In no order, without crossings.
+    """
+    room = 256
+    departure, arrival, delta_v = np.empty(room), np.empty(room), np.empty(room)
+    revolutions, count = np.empty(room, np.int8), 0
+    for number in range(pieces.since.size):
+        if pieces.since[number] > min(duration, times.leave_by):
+            break
+        pair = co_elliptic.prepare(pieces.rows[number], orbit_j, extra_delta_v, rule, EPOCH_S)
+        if number == 0:
+            curves = phasing.curves_of(pair, rule)
+        piece = Piece(pieces.since[number], pieces.until[number], times.leave_by)
+        found, order = short(
+            pair, rule, curves, duration, times.interval, times.most, piece, resolution
+        )
+        for c in range(order.size):
+            if count == departure.size:
+                departure, arrival = wider(departure, count), wider(arrival, count)
+                delta_v, revolutions = wider(delta_v, count), wider(revolutions, count)
+            departure[count], arrival[count] = found.departure[order[c]], found.arrival[order[c]]
+            delta_v[count] = found.delta_v[order[c]]
+            revolutions[count] = found.revolutions[order[c]]
+            count += 1
+    return ConnectionArrays(
+        departure[:count],
+        arrival[:count],
+        delta_v[:count],
+        revolutions[:count],
+        np.zeros(count, np.int32),
+        filled(count, SHORT),
+    )
+
+
+@kernel
+def with_drifts(orbits_i, orbit_j, rule, times, duration, resolution, found):
     """Other connections of a pair merged with its drift legs, without dominated ones.
 
     Parameters
     ----------
-    orbit_i, orbit_j, rule, times, duration, resolution
+    orbits_i : (1 or times, columns) float64
+        The origin as it is left, at each time of the grid if it is another body then.
+    orbit_j, rule, times, duration, resolution
         As :func:`short_ones` takes them.
     found : ConnectionArrays
         The other ones, none of which dominates another.
@@ -137,7 +187,6 @@ def with_drifts(orbit_i, orbit_j, rule, times, duration, resolution, found):
     ConnectionArrays
         Drifts have −1 revolutions.
     """
-    drifts = drift_pair.prepare(orbit_i, orbit_j, rule, EPOCH_S)
     kept = np.empty(found.departure.size, np.bool_)
-    longs = drift_grid.of_pair(drifts, rule.zones, times, duration, resolution, found, kept)
+    longs = drift_grid.of_pair(orbits_i, orbit_j, rule, times, duration, resolution, found, kept)
     return _merged(found, kept, longs, times.step)

@@ -129,12 +129,13 @@ def turning(pair, lag, alpha_i, alpha_j):
 
 
 @kernel
-def first_event(pair):
-    """The first event at or after t = 0, up to the slack."""
-    alpha_i, alpha_j, _ = line(pair, pair.lag)
-    half_turns = math.ceil((pair.latitude_i - alpha_i) / math.pi - 1e-9) - 1
-    event = event_at(pair, half_turns, 0.0, alpha_i, alpha_j)
-    while event.time < -SLACK_S:
+def first_event(pair, since):
+    """The first event at or after a time, up to the slack [s]."""
+    alpha_i, alpha_j, _ = line(pair, pair.lag + pair.lag_rate * since)
+    latitude = co_elliptic.latitude_of_i(pair, since)
+    half_turns = math.ceil((latitude - alpha_i) / math.pi - 1e-9) - 1
+    event = event_at(pair, half_turns, since, alpha_i, alpha_j)
+    while event.time < since - SLACK_S:
         half_turns += 1
         event = event_at(pair, half_turns, event.time, event.alpha_i, event.alpha_j)
     return event

@@ -87,12 +87,25 @@ class _Sifted(NamedTuple):
     shorts: Shorts
 
 
+class Piece(NamedTuple):
+    """Times within which short transfers leave: none before ``since`` or after ``until`` [s].
+
+    Those of events after ``leave_by`` are left out as well.
+    """
+
+    since: float
+    until: float
+    leave_by: float
+
+
 class _Limits(NamedTuple):
     """Limits on the short transfers of :func:`short` [s], [m/s], [m/s]."""
 
     duration: float
     most: float
     resolution: float
+    since: float
+    last: float
 
 
 class _PlacedEvent(NamedTuple):
@@ -206,7 +219,7 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
     """
     grid, placed, sifted = borrowed(grid), borrowed(placed), borrowed(sifted)
     half_turns, number, place, base = placed
-    duration, most, resolution = limits
+    duration, most, resolution, since, last = limits
     known, shorts = sifted
     event, lap = number[0], TURN_RAD / pair.rate_j
     approach = rule.approach_revolutions * lap
@@ -255,8 +268,11 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
         for c in range(max(crossing - 3, 0), crossing + 1):
             if not better or known.until[c] <= arrival + SLACK_S:
                 cheapest = min(cheapest, known.delta_v[c])
+        listed = max(listed_at(event, departure), 0.0)
+        # It may leave a step later.
+        better = better and since <= listed and listed + precession.STEP_S + 1.0 <= last
         if better and best < cheapest - resolution and arrival <= duration:
-            shorts.departure[count] = max(listed_at(event, departure), 0.0)
+            shorts.departure[count] = listed
             shorts.arrival[count], shorts.delta_v[count] = arrival, best
             shorts.revolutions[count] = best_k
             count += 1
@@ -270,21 +286,22 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
 
 
 @kernel
-def short(pair, rule, duration, spacing, most, leave_by, resolution):
+def short(pair, rule, curves, duration, spacing, most, piece, resolution):
     """Undominated short transfers of a pair.
 
     Parameters
     ----------
     pair : Pair
     rule : TransferRule
+    curves : adr_opt.kernels.legs.phasing.Curves
+        Of the pair; they are the same for all pieces.
     duration : float
         Those that arrive later are left out [s].
     spacing : float
         Between departure events, at least [s].
     most : float
         Dearer ones are left out [m/s].
-    leave_by : float
-        Those of later events are left out [s].
+    piece : Piece
     resolution : float
         A transfer that saves no more than this is dominated [m/s].
 
@@ -295,8 +312,9 @@ def short(pair, rule, duration, spacing, most, leave_by, resolution):
     order : (transfers,) int64
         Those that there are, event by event and then by arrival.
     """
-    half_turns, numbers = events_of(pair, min(duration, leave_by), spacing)
-    curves, lap = phasing.curves_of(pair, rule), TURN_RAD / pair.rate_j
+    leave_by = min(piece.leave_by, piece.until)
+    half_turns, numbers = events_of(pair, piece.since, min(duration, leave_by), spacing)
+    lap = TURN_RAD / pair.rate_j
     least_turn = least_speed(pair, rule)
     # Events whose planes are near enough, and their flight times in the first row.
     size, bases = 0, np.empty(half_turns.size)
@@ -322,7 +340,8 @@ def short(pair, rule, duration, spacing, most, leave_by, resolution):
         known.delta_v[c], known.until[c] = math.inf, math.inf
     room = rows * size
     shorts = Shorts(np.empty(room), np.empty(room), np.empty(room), np.empty(room, np.int8))
-    sifted, limits = _Sifted(known, shorts), _Limits(duration, most, resolution)
+    sifted = _Sifted(known, shorts)
+    limits = _Limits(duration, most, resolution, piece.since, piece.until)
     grid, count, ends = fixed_points.grid_of(curves, rows), 0, np.empty(size + 1, np.int64)
     ends[size] = 0
     approach = rule.approach_revolutions * lap

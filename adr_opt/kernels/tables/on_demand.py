@@ -165,7 +165,7 @@ def at_regular_events(source, i, j, ready):
 @kernel
 def _first_from(pair, steps, time):
     """Approximately the first event of a pair from a time on, among those that space departures."""
-    first = precession.first_event(pair)
+    first = precession.first_event(pair, 0.0)
     alpha_i, alpha_j, _ = precession.line(pair, pair.lag + pair.lag_rate * time)
     alpha_i = precession.near(alpha_i, first.alpha_i)
     alpha_j = precession.near(alpha_j, first.alpha_j)

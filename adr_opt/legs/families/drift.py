@@ -28,13 +28,15 @@ class DriftLegs(LegFamily):
         assert found is not None
         if ends.times is None or ends.times.longest < ends.times.step:
             return found
+        rows = ends.leaving[None] if ends.pieces is None else ends.pieces.on_grid
         made: ConnectionArrays = drifting_connections.with_drifts(
-            ends.leaving, ends.arriving, ends.rule, ends.times, ends.latest_s, resolution_m_s, found
+            rows, ends.arriving, ends.rule, ends.times, ends.latest_s, resolution_m_s, found
         )
         return made
 
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
-        pair = ends.leaving, ends.arriving, ends.rule, stated.departure, stated.arrival
+        left = ends.left_at(stated.departure)
+        pair = left, ends.arriving, ends.rule, stated.departure, stated.arrival
         flight = drift_burns.flown(*pair)
         names = drift_burns.phases(ends.rule)
         manoeuvres = Manoeuvres(flight.times, flight.vectors, names)

@@ -4,8 +4,8 @@ They also say until when bodies can be met within the limits of altitude (docs/m
 1.5). A chaser passes the perigee of a body on its true orbit, at the size that this has by then.
 Where the perigee is below ``min_altitude_m``, no leg leads there, and where it sinks below, none
 later. A body whose circle is below from the beginning is one that the mission means to meet: then
-the limit is that circle. Neither are objects towed whose release is not near the circle of
-disposal.
+the limit is that circle. Neither do legs lead to objects that would be released too far from the
+circle of disposal, or stay in orbit for too long.
 """
 
 from __future__ import annotations
@@ -18,11 +18,13 @@ import numpy as np
 from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S, SLACK_S
 from ...kernels.legs.departure_events import Times
 from ...kernels.orbits.ephemeris import EPOCH_S, revolution_at
-from ...plan.tows import RemovalFlight, leaving_eccentricity_delta_v, leaving_orbits, removals_of
+from ...plan.after_tows import leaving_eccentricity_delta_v, leaving_orbits, pieced_of
+from ...plan.lifetimes import outliving
+from ...plan.tows import RemovalFlight, any_from_apogee, removals_of
 from ...problem.drives import Drive
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from .family import FloatArray, PairEnds
+from .family import FloatArray, PairEnds, PiecedEnd
 
 SPARE_S = 7200.0
 """How long before a body is too low its last departure is: legs of a grid leave a lap later."""
@@ -75,13 +77,17 @@ def altitude_limits(instance: Instance, drive: Drive | None) -> AltitudeLimits:
             continue
         until = _above(orbit, eccentricity, sinks_m_s, instance.transfer.min_altitude_m)
         tow = tows.get(body)
-        if tow is not None and tow.burns_m_s is not None:
+        if tow is not None and tow.apogees is not None:
+            # Apogees are those of the part of the eccentricity vector that turns.
+            until = -math.inf if fit is not None and any(fit.eccentricity_offset) else until
+        elif tow is not None and tow.burns_m_s is not None:
             shaped = orbit.semi_major_axis_m, min(eccentricity, MOST_ECCENTRICITY)
             until = min(until, _released_well(*shaped, tow, sinks_m_s, instance.mission.duration_s))
         leave_by[body] = until - SPARE_S + (0.0 if tow is None else tow.time_s)
         arrive_by[body] = until - SPARE_S - stays_s[body]
         if opens[body] > arrive_by[body]:
             arrive_by[body] = -math.inf
+    arrive_by[list(outliving(instance, drive))] = -math.inf
     for array in (arrive_by, leave_by):
         array.setflags(write=False)
     return AltitudeLimits(arrive_by, leave_by)
@@ -198,6 +204,8 @@ class AllEnds:
         Of the chasers that the legs are for.
     relaxed : bool
         As in :class:`PairEnds`.
+    pieced : dict of int to PiecedEnd
+        Bodies that are left piece by piece of time, by number.
     """
 
     def __init__(
@@ -212,6 +220,13 @@ class AllEnds:
         self.rule = instance.transfer_rule()
         self.times = _times(instance)
         self.latest_s = instance.mission.duration_s + SLACK_S
+        self.pieced: dict[int, PiecedEnd] = {}
+        if self.times is not None:
+            interval_s, step_s, longest_s, *_ = self.times
+            until_s = self.latest_s if longest_s > 0.0 else 0.0
+            for body, pieced in pieced_of(instance, removals_of(instance, drive)).items():
+                pieces = pieced.between(interval_s, self.latest_s)
+                self.pieced[body] = PiecedEnd(pieced, pieces, pieced.on_grid(step_s, until_s))
 
     def of(self, i: int, j: int) -> PairEnds:
         """The ends of a pair."""
@@ -229,12 +244,17 @@ class AllEnds:
             min(self.latest_s, float(arrive_by)),
             self.drive,
             self.relaxed,
+            self.pieced.get(i),
         )
 
 
 def is_regular(instance: Instance) -> bool:
-    """Whether departure events are those of two-body motion, with the model's connections."""
-    return instance.dynamics == "two-body" and instance.transfer.departure_spacing_s == 0.0
+    """Whether departure events are those of two-body motion, with the model's connections.
+
+    No tow then ends once a revolution, either.
+    """
+    spacing_s, dynamics = instance.transfer.departure_spacing_s, instance.dynamics
+    return dynamics == "two-body" and spacing_s == 0.0 and not any_from_apogee(instance)
 
 
 def _times(instance: Instance) -> Times | None:

@@ -12,12 +12,29 @@ import numpy.typing as npt
 from ...kernels.legs.co_elliptic import TransferRule
 from ...kernels.legs.departure_events import Times
 from ...kernels.legs.found import ConnectionArrays
+from ...plan.after_tows import Pieced, Pieces
 from ...plan.leg_kinds import LegKind, leg_kinds
 from ...plan.phases import Phase
 from ...problem.drives import Drive
 from ...problem.instance import Instance
 
 FloatArray = npt.NDArray[np.float64]
+
+
+class PiecedEnd(NamedTuple):
+    """An origin that is left piece by piece of time: its rows, for legs at events and on a grid.
+
+    Attributes
+    ----------
+    pieced : Pieced
+    pieces : Pieces
+    on_grid : (times, columns) float64
+        At the times of the grid of long transfers.
+    """
+
+    pieced: Pieced
+    pieces: Pieces
+    on_grid: FloatArray
 
 
 class PairEnds(NamedTuple):
@@ -42,6 +59,8 @@ class PairEnds(NamedTuple):
         Of a chaser with low thrust; None for impulses.
     relaxed : bool
         Whether connections of low thrust are to be lower bounds for all masses of the chaser.
+    pieces : PiecedEnd or None
+        The origin as it is left, where that is another body from piece to piece of time.
     """
 
     instance: Instance
@@ -55,6 +74,11 @@ class PairEnds(NamedTuple):
     latest_s: float
     drive: Drive | None = None
     relaxed: bool = False
+    pieces: PiecedEnd | None = None
+
+    def left_at(self, time_s: float) -> FloatArray:
+        """The origin as it is left at a time, shape (columns,)."""
+        return self.leaving if self.pieces is None else self.pieces.pieced.row_at(time_s)
 
 
 class Manoeuvres(NamedTuple):

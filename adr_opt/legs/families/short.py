@@ -10,6 +10,7 @@ from ...plan.leg_kinds import SHORT
 from ...problem.drives import Drive
 from ...problem.instance import Instance
 from .family import FlownLeg, LegFamily, Manoeuvres, PairEnds, StatedLeg
+from .merging import merged
 
 
 class ShortLegs(LegFamily):
@@ -31,12 +32,19 @@ class ShortLegs(LegFamily):
         made: ConnectionArrays
         if ends.times is None:
             made = regular.of_pair(*pair, ends.latest_s, resolution_m_s)
+        elif ends.pieces is not None:
+            # Sifted once, when they are together: a saving counts against all pieces.
+            every = drifting_connections.short_ones_of_pieces(
+                ends.pieces.pieces, *pair[1:], ends.times, ends.latest_s, 0.0
+            )
+            made = merged(None, every, ends.latest_s, resolution_m_s)
         else:
             made = drifting_connections.short_ones(*pair, ends.times, ends.latest_s, resolution_m_s)
         return made
 
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
-        pair = ends.leaving, ends.arriving, ends.eccentricity_m_s, ends.rule
+        left = ends.left_at(stated.departure)
+        pair = left, ends.arriving, ends.eccentricity_m_s, ends.rule
         times, vectors, phases = burn_kernels.burns_between(*pair, *stated)
         share = burn_kernels.eccentric_share(*pair, times[0], stated.arrival, stated.revolutions)
         names = tuple(burn_kernels.PHASES[phase] for phase in phases)

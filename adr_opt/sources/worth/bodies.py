@@ -18,9 +18,9 @@ import numpy as np
 
 from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits.encounters import LEAST_WIDTH_M
+from ...problem.air import ALTITUDES_KM, FLOAT
 from ..catalogue.filters import Filters
 from ..catalogue.records import ElementSet
-from .air import ALTITUDES_KM, FLOAT
 from .measures import Measures
 from .satcat import Quantity, Satcat, SatcatRow
 

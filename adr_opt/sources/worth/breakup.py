@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ndtr
 
-from .air import DRAG_COEFFICIENT, FLOAT, HIGHEST_M, LOWEST_M, YEAR_S, circular_drag_times
+from ...problem.air import DRAG_COEFFICIENT, FLOAT, HIGHEST_M, LOWEST_M, YEAR_S, circular_drag_times
 
 LEAST_SIZE_M = 0.1
 """Characteristic length from which fragments count."""

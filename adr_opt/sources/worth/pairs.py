@@ -23,7 +23,7 @@ from ...kernels.orbits.collisions import (
     shared_worths,
     worths_with,
 )
-from .air import FLOAT
+from ...problem.air import FLOAT
 
 BLOCKS = 96
 """Number of blocks of about equally many pairs."""

@@ -10,9 +10,9 @@ import numpy as np
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
+from ...problem.air import FLOAT, YEAR_S
 from ..catalogue.records import ElementSet
 from ..csv_table import csv_text
-from .air import FLOAT, YEAR_S
 from .bodies import ends_km
 from .pairs import INDICES
 from .worth import UNIT, RemovalWorth

@@ -11,7 +11,7 @@ import numpy as np
 from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...kernels.orbits.collisions import CollidingObjects, CollisionTables
-from .air import ACTIVITIES, FLOAT, LOWEST_M, YEAR_S, lifetimes
+from ...problem.air import ACTIVITIES, FLOAT, LOWEST_M, YEAR_S, lifetimes
 from .bodies import Bodies
 from .breakup import ALTITUDE_STEP_M, CATASTROPHIC_J_KG, FRAGMENTS, KINDS, fragment_years
 from .pairs import INDICES, Show, mean_speeds, shared, totals, with_one

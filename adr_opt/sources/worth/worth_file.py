@@ -17,7 +17,7 @@ from pydantic import Field, model_validator
 from ...common.errors import InputError
 from ...common.files import read_model
 from ...common.records import Name, NonNegative, Positive, Record
-from .air import FLOAT
+from ...problem.air import FLOAT
 from .prizes import RemovalPrizes, reference
 from .worth import UNIT
 

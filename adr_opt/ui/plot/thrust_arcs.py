@@ -17,9 +17,9 @@ import numpy as np
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...common.errors import InputError
 from ...kernels.orbits import elements, ephemeris
+from ...plan.after_tows import leaving_orbits
 from ...plan.plan import Leg, LowThrustArc, Plan
 from ...plan.routes import Flown, routes_of
-from ...plan.tows import leaving_orbits
 from ...problem.drives import Drive, drive_of
 from ...problem.instance import Instance
 from .gantt import Segment, segments

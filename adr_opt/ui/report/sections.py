@@ -15,6 +15,7 @@ from ...plan.plan import Plan
 from ...plan.plan_flight import PlanFlight
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
+from ...problem.bodies import DisposalCircle
 from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ...problem.instance import Instance
 from ..plot.budget import has_burns
@@ -392,6 +393,17 @@ def _transfers(instance: Instance) -> str:
     return said
 
 
+def _disposals(instance: Instance) -> set[str]:
+    """Orbits of disposal of towed targets, in words."""
+    return {
+        f"a circle of {number(disposal.circle_m / 1e3, 1)} km"
+        if isinstance(disposal, DisposalCircle)
+        else f"a perigee of {number(disposal.perigee_m / 1e3, 1)} km"
+        for disposal in map(instance.disposal_of, instance.targets)
+        if disposal is not None
+    }
+
+
 def _rules_in_words(instance: Instance) -> list[str]:
     """Unusual requirements of an instance: times, ends, numbers."""
     windows = sum(target.window_s != (0.0, None) for target in instance.targets)
@@ -403,9 +415,8 @@ def _rules_in_words(instance: Instance) -> list[str]:
         rules.append(f"{counted(windows, 'target')} with a window of time")
     towed = sum(target.service.is_flown for target in instance.targets)
     if towed:
-        circles = {instance.circle_m(each) for each in instance.targets if each.service.is_flown}
-        down = " or ".join(number(altitude_m / 1e3, 1) for altitude_m in sorted(circles))
-        rules.append(f"{counted(towed, 'target')} to be towed down to {down} km")
+        down = " or ".join(sorted(_disposals(instance)))
+        rules.append(f"{counted(towed, 'target')} to be towed to {down}")
     if instance.mission.service_s is not None:
         rules.append(f"service takes {number(instance.mission.service_s, 1)} s")
     if instance.objective.cost == "duration":

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from ...common.constants import DAY_S, EARTH_RADIUS_M, SLACK_S
 from ...plan.cargo import carries
 from ...plan.expense import carried_kg, expense_of
+from ...plan.lifetimes import MOST_YEARS, lifetimes_years
 from ...plan.palette import REASONS, chaser_colours
 from ...plan.plan import Leg, Plan
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import Flown, by_tank, owners, routes_of
 from ...problem.bodies import Target
 from ...problem.chasers import AtStation, Chaser
+from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ..plot.traffic import also_there, stays
@@ -115,6 +117,8 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     ]
     weighed = any(leg.mass_kg is not None for leg in plan.legs)
     towed = any(leg.tow is not None for leg in plan.legs)
+    drive = drive_of(instance.chasers[0], instance.targets)
+    years = {instance.names[body]: e for body, e in lifetimes_years(instance, drive).items()}
     in_days = any(max(pair) >= LONG_S for pair in lengths)
 
     def _told(duration_s: float) -> str:
@@ -144,6 +148,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         ("arrival", "n", lambda at, leg: clock(leg.arrival_s)),
         ("end", "n", lambda at, leg: clock(leg.end_s)),
         towed and ("tow until, m/s", "n", lambda at, leg: _towing(leg)),
+        bool(years) and ("then in orbit, years", "n", lambda at, leg: _years(years, leg)),
         ("ΔV left m/s", "n", lambda at, leg: fixed(leg.delta_v_left_m_s, 1)),
         weighed and ("mass kg", "n", lambda at, leg: _kg(leg.mass_kg)),
         ("prize", "n", lambda at, leg: _collected(leg)),
@@ -165,6 +170,14 @@ def _towing(leg: Leg) -> str:
     if leg.tow is None:
         return NOTHING
     return f"{clock(leg.tow.end_s)}, {fixed(leg.tow.delta_v_m_s, 1)}"
+
+
+def _years(years: Mapping[str, float], leg: Leg) -> str:
+    """How long an object stays in orbit after its release."""
+    if leg.destination not in years:
+        return NOTHING
+    lasts = years[leg.destination]
+    return f"over {MOST_YEARS:g}" if lasts >= MOST_YEARS else fixed(lasts, 1)
 
 
 def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:

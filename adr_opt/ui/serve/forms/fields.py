@@ -73,6 +73,8 @@ WORDS = {
     "disposal": FieldWords("Disposal orbit", "to which objects are towed"),
     "circle_m": FieldWords("Altitude of the circle"),
     "perigee_m": FieldWords("Altitude of the perigee", "the apogee stays"),
+    "max_lifetime_years": FieldWords("Longest lifetime", "of released objects, in orbit"),
+    "area_to_mass_m2_kg": FieldWords("Area over mass", "m²/kg, for the lifetime once released"),
     "launch_separation_s": FieldWords("Time between launches", "the least, in their order"),
     "mission_separation_s": FieldWords(
         "Time between missions", "from the last service to the next launch, the least"

@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import EARTH_RADIUS_M
-from ...kernels.orbits.decay import drag_time
+from ..common.constants import EARTH_RADIUS_M
+from ..kernels.orbits.decay import drag_time
 
 FLOAT = npt.NDArray[np.float64]
 

@@ -1,0 +1,67 @@
+"""How long released objects stay in orbit, by the decay model of :mod:`adr_opt.problem.air`.
+
+Released are objects that are towed, and those that a kit with an orbit of disposal of its own
+brings down after the chaser has left: what it does is stated and not flown (docs/model.md section
+5.4).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..common.constants import EARTH_RADIUS_M
+from ..problem.air import lifetimes
+from ..problem.bodies import DisposalCircle, Target
+from ..problem.drives import Drive
+from ..problem.instance import Instance
+from .tows import removals_of
+
+ASSUMED_AREA_TO_MASS_M2_KG = 0.01
+"""Of an object whose file has none."""
+
+ACTIVITY, MOST_YEARS = "mean", 1000.0
+"""Solar activity, and the lifetime beyond which none is told apart."""
+
+
+def apsides_of(target: Target) -> tuple[float, float]:
+    """Radii of perigee and apogee that the kit of a target leads to [m]."""
+    orbit, disposal = target.orbit, target.disposal
+    assert orbit is not None
+    if isinstance(disposal, DisposalCircle):
+        return (EARTH_RADIUS_M + disposal.circle_m,) * 2
+    low = orbit.semi_major_axis_m * (1.0 - orbit.eccentricity)
+    if disposal is not None:
+        low = min(low, EARTH_RADIUS_M + disposal.perigee_m)
+    return low, orbit.semi_major_axis_m * (1.0 + orbit.eccentricity)
+
+
+def lifetimes_years(instance: Instance, drive: Drive | None) -> dict[int, float]:
+    """Lifetimes of released objects, by number of the body [years]; at most :data:`MOST_YEARS`.
+
+    Parameters
+    ----------
+    instance : Instance
+    drive : Drive or None
+        Of the chasers, which all release objects on the same orbits.
+    """
+    shells = {body: tow.released_m for body, tow in removals_of(instance, drive).items()}
+    for body, target in enumerate(instance.targets, start=instance.first_target):
+        if target.service.takes_kit and target.disposal is not None and target.orbit is not None:
+            shells[body] = apsides_of(target)
+    areas = [instance.targets[body - instance.first_target].area_to_mass_m2_kg for body in shells]
+    years = lifetimes(
+        np.array(list(shells.values())).reshape(-1, 2),
+        np.array([ASSUMED_AREA_TO_MASS_M2_KG if area is None else area for area in areas]),
+        ACTIVITY,
+        MOST_YEARS,
+    )
+    return dict(zip(shells, years.tolist(), strict=True))
+
+
+def outliving(instance: Instance, drive: Drive | None) -> frozenset[int]:
+    """Bodies that would stay in orbit longer than the mission allows, which nobody may release."""
+    most = instance.mission.max_lifetime_years
+    if most is None:
+        return frozenset()
+    years = lifetimes_years(instance, drive)
+    return frozenset(body for body, each in years.items() if each > most)
