@@ -115,4 +115,5 @@ def rule_of(
         time_value_m_s_per_h / HOUR_S,
         zone_rows(zones),
         oblateness_m2,
+        settings.burns == "free",
     )

@@ -18,6 +18,7 @@ from ..common.files import to_text
 from ..common.records import Name, Record, without
 from ..common.tolerance import check_prizes
 from .agreement import (
+    check_burns,
     check_decay,
     check_expense,
     check_falling_prizes,
@@ -110,6 +111,7 @@ class InstanceFile(Record):
                 "field keep_out_zones: the paths of given connections are not known; leave zones "
                 "out"
             )
+        check_burns(self.transfer, zones=bool(self.keep_out_zones))
         check_removals(
             self.targets, self.chasers, self.mission, self.transfer, zones=bool(self.keep_out_zones)
         )

@@ -179,6 +179,9 @@ RULES = {
         ),
         _always,
     ),
+    "free burns": Rule(
+        ("transfer.burns",), lambda i: i.transfer.burns == "free", 'write "sequence"'
+    ),
     "drift": Rule(
         _at("transfer", "max_drift_s drift_step_s"), lambda i: i.transfer.max_drift_s > 0.0
     ),
@@ -358,11 +361,14 @@ TOGETHER = frozenset(
 )
 """What planners follow each alone; judges follow them together as well."""
 
-JUDGED = FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time", "visits between refuellings"}
+MODEL = FIRST | {"free burns"}
+"""What all follow that take legs as the model has them, whatever these cost."""
+
+JUDGED = MODEL | CAMPAIGNS | TOURS | TOGETHER | {"functions of time", "visits between refuellings"}
 """What both judges state once more, and all follow that make, hold, compare and show what planners
 are told and plan: a rule comes in here by hand, with its judges."""
 
-PLAYED = (FIRST | {"visits between refuellings"}) - {
+PLAYED = (MODEL | {"visits between refuellings"}) - {
     "bodies without an orbit",
     "prizes that fall",
     "number of stations",

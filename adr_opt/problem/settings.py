@@ -206,9 +206,11 @@ class TransferSettings(SequenceSettings):
     share ``mass_class`` (:data:`.drives.CLASS_WIDTH` if None, and then not in the file). From the
     arrival at one body to that at the next no more than ``max_leg_s`` may pass, waiting and service
     included; it is not in the file if None. Where connections are ``given``, they are those; the
-    field is not in files of other instances.
+    field is not in files of other instances. A short leg costs what its ``burns`` take: those of
+    the ``"sequence"``, or ``"free"`` ones (docs/model.md section 2.6). The default is not in files.
     """
 
+    burns: Literal["sequence", "free"] = "sequence"
     delta_v_resolution_m_s: NonNegative = 0.1
     departure_spacing_s: NonNegative = 0.0
     drift_step_s: Positive = DAY_S
@@ -226,8 +228,11 @@ class TransferSettings(SequenceSettings):
         return self.max_drift_s > 0.0 or self.given is not None
 
     @model_serializer(mode="wrap")
-    def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "mass_class", "max_leg_s", "given")
+    def _without_defaults(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content = without(write(self), "mass_class", "max_leg_s", "given")
+        if self.burns == "sequence":
+            content.pop("burns", None)
+        return content
 
 
 class Objective(Record):

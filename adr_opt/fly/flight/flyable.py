@@ -8,7 +8,7 @@ from ...common.errors import InputError
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, MODEL, TOURS, Follower
 from ...problem.support import refuse
 
 TOLD_M = 1e3
@@ -66,7 +66,7 @@ TIME_TOLERANCE_S = 1e-3
 
 REFINED = Follower(
     "flying",
-    FIRST - {"given connections", "bodies without an orbit"}
+    MODEL - {"given connections", "bodies without an orbit"}
     | CAMPAIGNS
     | TOURS
     | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"},
