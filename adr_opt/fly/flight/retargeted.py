@@ -27,7 +27,7 @@ from ...kernels.orbits import elements, equinoctial, mean_motion
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from ..refine.leg import FlownImpulses, LegEnds, NoWay, close
+from ..refine.leg import FlownImpulses, LegEnds, NoWay, cheapen, close
 from ..refine.one_leg import aim, planned_angles, with_a_middle
 from ..refine.own_burns import cheapest_near
 
@@ -124,7 +124,7 @@ class Aim:
         self._angles = planned_angles(instance, leg, lead_in)
 
     def delta_v_m_s(self) -> float:
-        """ΔV of retargeted burns, tows excluded [m/s].
+        """ΔV of retargeted burns, or of free ones where legs have their price; tows excluded [m/s].
 
         Raises
         ------
@@ -138,6 +138,8 @@ class Aim:
             flown = cheapest_near(whole, self._closed(times, planned), planned)
         except NoWay:
             flown = aim(whole, self._burns)  # with a few burns more
+        if self._instance.transfer.burns == "free":
+            flown = cheapen(whole, flown)
         return flown.delta_v_m_s + self._docking_m_s(flown)
 
     def _closed(self, times: Array, planned: Array) -> FlownImpulses:
