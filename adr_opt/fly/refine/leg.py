@@ -25,8 +25,8 @@ POSITION_M, SPEED_M_S = 1e-3, 1e-6
 """Tolerances of a leg at its goal: a thousandth of those in the contract of refined plans."""
 
 MOST_NEWTON = 25
-MOST_CONVEX = 12
-"""Maximum numbers of steps to close a miss, and of convex steps."""
+MOST_CONVEX, MOST_LED_BACK = 12, 24
+"""Maximum numbers of steps to close a miss, of convex steps, and of those back within limits."""
 
 WORTH = 1e-4
 """Least relative gain of a convex step; a smaller one is the last."""
@@ -38,7 +38,7 @@ MOST_CANDIDATES = 960
 """Maximum number of candidate times in a leg; beyond it, whole revolutions in its middle are
 omitted evenly."""
 
-INSIDE_M, NEAR_M = 200.0, 3e3
+INSIDE_M, NEAR_M = 200.0, 8e3
 """How far within its limit an apsis is held, and how near it has to be for that [m]."""
 
 NEGLIGIBLE_M_S = 1e-4
@@ -220,7 +220,7 @@ def cheapen(course: LegEnds, flown: FlownImpulses) -> FlownImpulses:
     if _is_within(least, limits):
         return least
     back, best = least, _descended(course, flown, limits)
-    for _ in range(MOST_CONVEX):
+    for _ in range(MOST_LED_BACK):
         led = _led_back(course, back, limits)
         if led is None:
             break

@@ -85,6 +85,7 @@ WORDS = {
     "max_altitude_m": FieldWords("Highest altitude of phasing"),
     "delta_v_resolution_m_s": FieldWords("Least saving of a transfer"),
     "departure_spacing_s": FieldWords("Time between departures", "the least"),
+    "burns": FieldWords("Burns of short legs", "that they are priced by; free: anywhere"),
     "drift_step_s": FieldWords("Time step of drifts"),
     "max_drift_s": FieldWords("Longest drift", "0 for none"),
     "mass_class": FieldWords("Width of classes of mass", "as a share"),
