@@ -77,7 +77,7 @@ def test_the_price_is_symmetric_and_above_its_floor() -> None:
         # A larger turn, and larger changes, never cost less; and there is no leap.
         assert price(k, changes, 1.01 * turn) >= found * (1.0 - 1e-12)
         assert price(k, 1.001 * changes, turn) <= 1.001 * found * (1.0 + 1e-12)
-        side = changes + [0.0, 0.0, 0.0, 1e-9]
+        side = np.add(changes, [0.0, 0.0, 0.0, 1e-9])
         assert abs(price(k, side, turn) - found) <= 1e-4
 
 
