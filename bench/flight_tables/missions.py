@@ -88,9 +88,9 @@ def mission(seed: int, days: int, removal: str = "visit") -> adr_opt.Instance:
             target |= {"removal": removal, "mass_kg": MASS_KG}
     asked = {"duration_s": days * DAY_S, "service_s": 0.25 * DAY_S}
     if removal == "tow":
-        asked["disposal_altitude_m"] = DISPOSAL_M
+        asked["disposal"] = {"circle_m": DISPOSAL_M}
     made = {
-        "format": "adr-opt-instance/2",
+        "format": "adr-opt-instance/3",
         "name": f"drawn-{days}-{seed}-{removal}",
         "epoch": "2026-01-01T00:00:00Z",
         "dynamics": "j2",

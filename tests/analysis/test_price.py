@@ -279,7 +279,7 @@ def test_the_total_counts_tows(cli: Cli) -> None:
             ),
         ),
         targets=tuple(target.replace(removal="tow", mass_kg=250.0) for target in field.targets),
-        mission=field.mission.replace(disposal_altitude_m=450e3),
+        mission=field.mission.replace(disposal={"circle_m": 450e3}),
     )
     order = ("debris-001", "debris-003")
     plan = priced(instance, *order).plan()
