@@ -59,7 +59,7 @@ from adr_opt.ui.report import page
 METHODS = [(group, name) for group in (PLANNERS, BOUNDS) for name in names(group)]
 
 
-UNBUILT = {"safety ellipse", "free burns", "disposal by perigee"}
+UNBUILT = {"safety ellipse", "disposal by perigee"}
 """Rules of which the file has the fields, and nobody yet the physics."""
 
 
