@@ -116,9 +116,7 @@ def replan(  # noqa: PLR0913
     return compared(instance, best, orders, gone, went, notes, began)
 
 
-def _zoned(
-    instance: Instance, zones: tuple[KeepOutZone, ...]
-) -> tuple[Instance, tuple[str, ...]]:
+def _zoned(instance: Instance, zones: tuple[KeepOutZone, ...]) -> tuple[Instance, tuple[str, ...]]:
     """The instance with further zones, and a note if legs have another price for them."""
     if not zones:
         return instance, ()

@@ -38,8 +38,9 @@ MOST_CANDIDATES = 960
 """Maximum number of candidate times in a leg; beyond it, whole revolutions in its middle are
 omitted evenly."""
 
-INSIDE_M, NEAR_M = 200.0, 8e3
-"""How far within its limit an apsis is held, and how near it has to be for that [m]."""
+INSIDE_M, NEAR_M = 8e3, 4e3
+"""How far within its limit an apsis is held, and how near to that it counts as on it [m]. Under J2
+osculating apsides of one arc swing by as much, so that arcs beside it come to be beyond."""
 
 NEGLIGIBLE_M_S = 1e-4
 """Size of impulses that are omitted if the others can do without them."""
@@ -212,7 +213,7 @@ def cheapen(course: LegEnds, flown: FlownImpulses) -> FlownImpulses:
 
     Steps that are shortened until they stay within the limits of altitude end far from the least.
     So where the least without limits is beyond them, it is led back as well, with the apsides that
-    are beyond held at their limits; the cheaper trajectory is taken.
+    are beyond held at their limits; the cheaper one is taken.
     """
     low, high = flown.reach_m
     limits = min(course.lowest_m, low), max(course.highest_m, high)
