@@ -31,7 +31,11 @@ CLOUDS = (
 
 
 def instances() -> Iterator[Instance]:
-    """Twenty instances of eccentric orbits under J2; without external data twelve."""
+    """Twenty instances of eccentric orbits under J2, by free burns; without catalogues twelve."""
+
+    def freely(field: Instance) -> Instance:
+        return field.replace(transfer=field.transfer.replace(burns="free"))
+
     for family, seeds, targets in (
         ("reduced-fuel", 4, None),
         ("nominal", 3, 25),
@@ -39,9 +43,9 @@ def instances() -> Iterator[Instance]:
     ):
         for seed in range(seeds):
             field = eccentric(adr_opt.generate(family, seed, targets=targets), 0.02, seed)
-            yield field.replace(name=f"{field.name}-eccentric")
+            yield freely(field.replace(name=f"{field.name}-eccentric"))
     for seed in range(3):
-        yield adr_opt.generate("cloud", seed).replace(dynamics="j2")
+        yield freely(adr_opt.generate("cloud", seed).replace(dynamics="j2"))
     if folder := os.environ.get("ADR_OPT_EXTERNAL_DATA"):
         for number, (file, targets, days, tank) in enumerate(CLOUDS):
             made = imported(

@@ -128,14 +128,18 @@ def _against_flown(said: Array, flown: Array) -> list[str]:
     return [total, f"{np.mean(np.abs(off) <= 0.1):.0%}", f"{off.min():+.0%} to {off.max():+.0%}"]
 
 
-def clouds(*catalogues: Path, seeds: int = 3, cuts: int = 3, jobs: int = 2) -> None:
+def clouds(
+    *catalogues: Path, seeds: int = 3, cuts: int = 3, jobs: int = 2, out: Path | None = None
+) -> None:
     """What legs between eccentric orbits are said to take, and what they take flown.
 
     Clouds as drawn, nominal fields with eccentricities up to 0.02, and parts of catalogue files,
     all under J2, planned twice: priced by the burns of the sequence, and by free burns. Each plan
     is refined with free burns, the first one also with its own. Errors are those of what was said,
-    as shares of what is flown; a tank is broken if what is flown exceeds it by more than 1 %.
+    as shares of what is flown; a tank is broken if what is flown exceeds it by more than 1 %. Legs
+    are written to the file ``--out``.
     """
+    kept = ["field,priced_by,said_m_s,flown_m_s"]
     head(
         *("field", "priced by", "legs", "said m/s", "flown m/s", "said over flown, total"),
         *("legs within 10 %", "a leg", "with own burns, total", "missing", "tanks broken"),
@@ -167,6 +171,9 @@ def clouds(*catalogues: Path, seeds: int = 3, cuts: int = 3, jobs: int = 2) -> N
                 broken,
             )
             sums[kind, burns].append((both, broken))
+            kept += [f"{instance.name},{burns},{x:.2f},{y:.2f}" for x, y in both.T]
+    if out is not None:
+        out.write_text("\n".join([*kept, ""]), encoding="utf-8")
     for (kind, burns), found in sums.items():
         both = np.concatenate([legs for legs, _ in found], axis=1)
         broken = sum(tanks > 0 for _, tanks in found)
