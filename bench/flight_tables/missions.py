@@ -15,8 +15,8 @@ from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.fly.flight import TankFlight, fly, fly_refined
 from adr_opt.fly.flight.refined_result import MOST_RELEASE_ECCENTRICITY
 from adr_opt.fly.refine.bodies import state_of
-from adr_opt.fly.refine.troubles import FIELDS
 from adr_opt.judge.refined.release import released
+from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.problem.transfer_sizes import transfers_for
 
 INCLINATIONS_DEG = (71.0, 86.4, 98.0)

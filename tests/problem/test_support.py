@@ -25,6 +25,7 @@ from adr_opt.analysis.scenario.campaign import check_template
 from adr_opt.analysis.trade.axes import Axis
 from adr_opt.analysis.trade.frontier import check_frontier
 from adr_opt.analysis.trade.run import tradeoff
+from adr_opt.analysis.windows import CaptureConditions, windows_of
 from adr_opt.common.errors import InputError
 from adr_opt.common.records import Record
 from adr_opt.export.flights.write import write_plan
@@ -265,6 +266,7 @@ def _calls(instance: Instance, plan: Plan, certificate: Certificate) -> dict[str
         "designs": lambda: rating_of(instance, None),
         "scenario": lambda: check_template(instance),
         "frontier": lambda: check_frontier(instance),
+        "windows": lambda: windows_of(instance, CaptureConditions(light=True)),
     }
 
 
@@ -285,6 +287,7 @@ def test_whatever_reads_an_instance_refuses_a_new_field(
 
 
 CLI_CALLS = {
+    "windows": "--light",
     "solve": "",
     "bound": "",
     "check": "plan.json",
@@ -310,7 +313,7 @@ def test_verbs_refuse_a_new_field(
     """Each verb that takes an instance says in one sentence that it does not follow the field."""
     instance, plan, certificate = planned
     reading = {verb for verb in VERBS if _takes_instance(verb)}
-    assert reading == CLI_CALLS.keys()
+    assert reading == CLI_CALLS.keys() | {"screen"}  # which reads refined plans alone, see below
     instance.save("my.json")
     plan.save("plan.json")
     plan.save("other.json")
@@ -336,6 +339,7 @@ def test_verbs_that_read_refined_plans_refuse_a_new_field(
         "check my.json refined.json",
         "fly my.json refined.json",
         "export my.json refined.json --out a.oem",
+        "screen my.json refined.json my.json",
         "report my.json plan.json --refined refined.json --out a.html",
     ):
         refused(cli(*call.split()), "does not follow the field targets[].novel")
