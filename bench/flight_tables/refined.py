@@ -171,7 +171,8 @@ def clouds(
                 broken,
             )
             sums[kind, burns].append((both, broken))
-            kept += [f"{instance.name},{burns},{x:.2f},{y:.2f}" for x, y in both.T]
+            name = instance.name.replace(",", "")
+            kept += [f"{name},{burns},{x:.2f},{y:.2f}" for x, y in both.T]
     if out is not None:
         out.write_text("\n".join([*kept, ""]), encoding="utf-8")
     for (kind, burns), found in sums.items():

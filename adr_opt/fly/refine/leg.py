@@ -213,22 +213,23 @@ def cheapen(course: LegEnds, flown: FlownImpulses) -> FlownImpulses:
 
     Steps that are shortened until they stay within the limits of altitude end far from the least.
     So where the least without limits is beyond them, it is led back as well, with the apsides that
-    are beyond held at their limits; the cheaper one is taken.
+    are beyond held at their limits; the cheaper one within them is taken. Where the trajectory that
+    it begins with goes further, and nothing else is found, it may go as far.
     """
-    low, high = flown.reach_m
-    limits = min(course.lowest_m, low), max(course.highest_m, high)
+    limits, (low, high) = (course.lowest_m, course.highest_m), flown.reach_m
     least = _descended(course, flown, (-math.inf, math.inf))
     if _is_within(least, limits):
         return least
-    back, best = least, _descended(course, flown, limits)
+    back = least
+    best = _descended(course, flown, (min(limits[0], low), max(limits[1], high)))
     for _ in range(MOST_LED_BACK):
         led = _led_back(course, back, limits)
         if led is None:
             break
         gain = best.delta_v_m_s - led.delta_v_m_s
-        if _is_within(led, limits) and gain > 0.0:
+        if _is_within(led, limits) and (gain > 0.0 or not _is_within(best, limits)):
             best = led
-            if gain <= WORTH * best.delta_v_m_s:
+            if abs(gain) <= WORTH * best.delta_v_m_s:
                 break
         back = led
     return best
