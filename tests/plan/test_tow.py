@@ -45,7 +45,7 @@ def planned(dynamics: str = "two-body") -> Plan:
     return plan
 
 
-some_seeds = over_kinds("seeds", drawn=(range(96), 6))
+some_seeds = over_kinds("seeds", drawn=(range(96), 3))
 
 
 @some_seeds
