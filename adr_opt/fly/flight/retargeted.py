@@ -122,6 +122,7 @@ class Aim:
         self._decays = instance.decay_of(leg.origin), instance.decay_of(leg.destination)
         self._instance, self._lead_in = instance, lead_in
         self._angles = planned_angles(instance, leg, lead_in)
+        self._is_free = instance.transfer.burns == "free" and not leg.traits.on_time_grid
 
     def delta_v_m_s(self) -> float:
         """ΔV of retargeted burns, or of free ones where legs have their price; tows excluded [m/s].
@@ -138,7 +139,7 @@ class Aim:
             flown = cheapest_near(whole, self._closed(times, planned), planned)
         except NoWay:
             flown = aim(whole, self._burns)  # with a few burns more
-        if self._instance.transfer.burns == "free":
+        if self._is_free:
             flown = cheapen(whole, flown)
         return flown.delta_v_m_s + self._docking_m_s(flown)
 
