@@ -60,7 +60,7 @@ from adr_opt.ui.report import page
 METHODS = [(group, name) for group in (PLANNERS, BOUNDS) for name in names(group)]
 
 
-UNBUILT = {"safety ellipse", "disposal by perigee"}
+UNBUILT = {"disposal by perigee"}
 """Rules of which the file has the fields, and nobody yet the physics."""
 
 

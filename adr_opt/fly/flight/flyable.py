@@ -8,7 +8,7 @@ from ...common.errors import InputError
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, MODEL, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, TOURS, Follower
 from ...problem.support import refuse
 
 TOLD_M = 1e3
@@ -66,8 +66,9 @@ TIME_TOLERANCE_S = 1e-3
 
 REFINED = Follower(
     "flying",
-    MODEL - {"given connections", "bodies without an orbit"}
+    FIRST - {"given connections", "bodies without an orbit"}
     | CAMPAIGNS
+    | MODELLED
     | TOURS
     | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"},
     "its plans have no trajectory",

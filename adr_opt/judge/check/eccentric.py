@@ -67,7 +67,7 @@ def short_cost(
     """
     ri, rj = (float(ephemeris.radius_at(orbit, departure)) for orbit in ends)
     speed = math.sqrt(MU_M3_S2 / math.sqrt(ri * rj))
-    approach = 0.5 * math.sqrt(MU_M3_S2 / rj) / rj * rule.standoff
+    approach = math.sqrt(MU_M3_S2 / rj) / rj * rule.approach_length
     if rule.free:
         return _free(ends, rule, departure, sequence, speed) + approach
     if _are_circles(ends, departure):
@@ -116,7 +116,7 @@ def _free(
     sequence: StatedSequence,
     speed: float,
 ) -> float:
-    """Price of free burns without the approach (docs/model.md section 2.6) [m/s]."""
+    """Price of free burns without the approach (docs/model.md section 2.7) [m/s]."""
     origin, destination = ends
     ri, rj = (float(ephemeris.radius_at(orbit, ephemeris.EPOCH_S)) for orbit in ends)
     inclinations = [float(ephemeris.inclination_at(orbit, departure)) for orbit in ends]

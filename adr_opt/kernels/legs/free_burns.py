@@ -1,4 +1,4 @@
-"""Price of a leg whose impulses are free in place and direction (docs/model.md section 2.6).
+"""Price of a leg whose impulses are free in place and direction (docs/model.md section 2.7).
 
 To first order the changes that a leg makes within a plane are linear in its impulses. Their least
 sum is the most that a linear function of the changes can be whose *primer*, what a unit impulse

@@ -93,10 +93,11 @@ class MissionOutline:
         given: dict[str, Any] = {
             name: value for name, value in (wanted or {}).items() if value is not None
         }
-        burns = given.pop("burns", burns_for(orbits))
+        burns, approach = given.pop("burns", burns_for(orbits)), given.pop("approach", "half-lap")
+        made = TransferSettings().replace(**given)
         if self.dynamics == "j2":
-            return transfers_for(self.duration_s, orbits=orbits, **given).replace(burns=burns)
-        return TransferSettings().replace(**given, burns=burns)
+            made = transfers_for(self.duration_s, orbits=orbits, **given)
+        return made.replace(burns=burns, approach=approach)
 
 
 A_WEEK = MissionOutline()

@@ -18,6 +18,7 @@ from .parameters import check_out
 if TYPE_CHECKING:
     from ...problem.instance import Instance
     from ...problem.orbit import Orbit
+    from ...problem.settings import ApproachName
     from ...sources.catalogue import Imported
     from ...sources.ephemerides.imported import WithEphemerides
 
@@ -125,6 +126,7 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
     type=click.Choice(["sequence", "free"]),
     help="Burns that short legs are priced by; by default free if any orbit is eccentric.",
 )
+@param.approach
 @param.flag("--only-prized", "Only objects with a row in --prizes.")
 @param.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
 @param.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
@@ -155,6 +157,7 @@ def command(
     departure_spacing_days: float | None,
     resolution: float | None,
     burns: Literal["sequence", "free"] | None,
+    approach: ApproachName | None,
     only_prized: bool,
     criticality: bool,
     ephemerides: bool,
@@ -201,6 +204,7 @@ def command(
         departure_spacing_days,
         resolution,
         burns,
+        approach,
     ).outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by)
     with naming_options(), busy_bar(wanted(as_json, quiet), "reading objects"):
         found = catalogue.read(files, skip_bad=skip_bad)
