@@ -31,11 +31,13 @@ FIELDS: dict[bool, dict[str, tuple[str, int, dict[str, int]]]] = {
         "alone": ("nominal", 1, {}),
         "drifting": ("rocket-bodies", 0, {"targets": 20}),
         "several": ("campaign", 0, {"targets": 40}),
+        "cloud": ("cloud", 0, {"targets": 24}),
     },
     True: {
         "alone": ("tiny", 0, {}),
         "drifting": ("tiny", 0, {}),
         "several": ("tiny", 0, {"chasers": 2}),
+        "cloud": ("tiny", 0, {}),
     },
 }
 """Family, seed and sizes of each field: those that are measured on, and tiny ones."""
@@ -66,6 +68,8 @@ class Works:
             "campaign": self.campaign,
             "environment": self.environment,
             "check": self.check,
+            "cloud-table": self.cloud_table,
+            "cloud-proof": self.cloud_proof,
         }
 
     def _field(self, name: str) -> adr_opt.Instance:
@@ -85,6 +89,14 @@ class Works:
         return self._field("several")
 
     @cached_property
+    def _cloud(self) -> adr_opt.Instance:
+        """Eccentric orbits under J2, by free burns where the version has their price."""
+        field = self._field("cloud").replace(dynamics="j2")
+        if hasattr(field.transfer, "burns"):
+            field = field.replace(transfer=field.transfer.replace(burns="free"))
+        return field
+
+    @cached_property
     def _plan(self) -> adr_opt.Plan:
         plan = adr_opt.solve(self._mission, "greedy-guarded", time_limit=LIMIT_S).plan
         assert plan is not None
@@ -99,6 +111,14 @@ class Works:
     def timetable(self) -> Any:
         """The timetable of one chaser, on one core."""
         return adr_opt.Timetable(self._mission.instance, 1).entries
+
+    def cloud_table(self) -> Any:
+        """The timetable of a cloud, on one core."""
+        return adr_opt.Timetable(self._cloud, 1).entries
+
+    def cloud_proof(self) -> Any:
+        """A proof of a cloud, its timetable included."""
+        return self._solved(_ready(self._cloud), "exact", 10, most_labels=MOST_LABELS)
 
     def sweeps(self) -> Any:
         """Network and sweeps of the bound by walks, from a ready timetable."""

@@ -34,6 +34,9 @@ from adr_opt.ui import plot
 
 FOLDER = Path(__file__).with_name("pictures")
 WIDTH_IN = 6.2
+PRICED = "a drawn cloud", "a field, e to 0.02", "Iridium 33, 2025-04"
+"""Fields of bench/curves/free-burns.csv."""
+
 INK = "#26313d"
 FAINT = "#9aa5b1"
 ZONE = "#d4553f"
@@ -479,6 +482,35 @@ def flown() -> Any:
     return figure
 
 
+def priced() -> Any:
+    """Said against flown ΔV of the legs of three fields, by both prices."""
+    legs = np.genfromtxt(
+        FOLDER.parents[1] / "bench/curves/free-burns.csv",
+        delimiter=",",
+        names=True,
+        dtype=None,
+        encoding="utf-8",
+    )
+    names = list(dict.fromkeys(legs["field"].tolist()))
+    figure, panels = plt.subplots(1, len(names), figsize=(WIDTH_IN, 3.0), sharey=True)
+    for ax, name, title in zip(panels, names, PRICED, strict=True):
+        for price, colour, mark, label in (
+            ("sequence", FAINT, "o", "by the sequence"),
+            ("free", plot.COLOURS["phasing"], "x", "by free burns"),
+        ):
+            some = legs[(legs["field"] == name) & (legs["priced_by"] == price)]
+            said = some["said_m_s"].sum() / some["flown_m_s"].sum() - 1.0
+            shares = some["said_m_s"] / some["flown_m_s"]
+            told = f"{label}: {100.0 * said:+.1f} %"
+            ax.plot(some["flown_m_s"], shares, mark, color=colour, ms=4, label=told)
+        ax.axhspan(0.9, 1.1, color=FAINT, alpha=0.15, lw=0)
+        ax.set(xlabel="flown ΔV [m/s]", title=title)
+        ax.legend(loc="upper right", fontsize=6, handlelength=1.0)
+    panels[0].set_ylabel("said over flown")
+    figure.tight_layout()
+    return figure
+
+
 def mission() -> Any:
     """A whole small mission: altitude against time, phases coloured."""
     instance = adr_opt.generate("tiny", 0).with_limits(delta_v_m_s=400.0)
@@ -505,6 +537,7 @@ PICTURES: dict[str, Callable[[], Any]] = {
     "waiting": waiting,
     "drift": drift,
     "flown": flown,
+    "priced": priced,
     "mission": mission,
     "approach": approach,
 }

@@ -29,6 +29,14 @@ APPROXIMATE = (
     "approximation"
 )
 
+FREELY = (
+    "delta_v_m_s is the price of free burns, which refine finds; the burns of legs fly between "
+    "circles of the same semi-major axes, and only tell their times"
+)
+
+ON_PRICES = frozenset({APPROXIMATE, FREELY})
+"""Notes that plans begin with, and searches leave out of their own."""
+
 
 def legs(
     mission: Mission, sequence: Iterable[int], timing: Schedule | None = None

@@ -11,7 +11,7 @@ from itertools import chain
 from ..common.errors import InputError
 from ..plan.expense import cost_of_routes
 from ..plan.plan import MODEL, InstanceReference, Plan, Route, Status
-from .build_legs import APPROXIMATE, legs
+from .build_legs import APPROXIMATE, FREELY, legs
 from .evidence import Evidence
 from .left_out import unvisited
 from .mission import Mission
@@ -128,7 +128,9 @@ def certify_routes(  # noqa: PLR0913
         A sequence breaks the mission rules.
     """
     said = tuple(notes)
-    if problem.instance.is_approximate:
+    if problem.instance.transfer.burns == "free":
+        said = (*said, FREELY)
+    elif problem.instance.is_approximate:
         said = (*said, APPROXIMATE)
     upper_bound = problem.shown(upper_bound)
     found = Result(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from ..common.constants import EARTH_RADIUS_M
 from ..common.tolerance import common_step
+from ..kernels.legs.free_burns import MOST_REVOLUTIONS
 from .approach import approach_of
 from .bodies import DisposalCircle, Station, Target
 from .chasers import AtStation, Chaser, InOrbit, TankByMass
@@ -126,6 +127,22 @@ def check_thrust(
                 f"{stated}: spirals cannot be planned around keep-out zones; leave "
                 "keep_out_zones out"
             )
+
+
+def check_burns(transfer: TransferSettings, *, zones: bool) -> None:
+    """Refuse free burns of more revolutions than there is a price for, or beside zones."""
+    if transfer.burns != "free":
+        return
+    if transfer.max_phasing_revolutions > MOST_REVOLUTIONS:
+        raise ValueError(
+            f"field transfer.max_phasing_revolutions = {transfer.max_phasing_revolutions!r}: free "
+            f'burns have a price up to {MOST_REVOLUTIONS}; write that, or burns "sequence"'
+        )
+    if zones:
+        raise ValueError(
+            "field keep_out_zones: where free burns lead is not known; leave zones out, or write "
+            'transfer.burns "sequence"'
+        )
 
 
 def check_expense(chasers: Sequence[Chaser], objective: Objective) -> None:

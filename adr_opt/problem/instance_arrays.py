@@ -119,4 +119,5 @@ def rule_of(
         oblateness_m2,
         approach.length_m,
         approach.burns,
+        settings.burns == "free",
     )

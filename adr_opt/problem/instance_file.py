@@ -21,6 +21,7 @@ from ..common.tolerance import check_prizes
 from . import format_2
 from .agreement import (
     check_approach,
+    check_burns,
     check_decay,
     check_expense,
     check_falling_prizes,
@@ -111,6 +112,7 @@ class InstanceFile(Record):
                 "field keep_out_zones: the paths of given connections are not known; leave zones "
                 "out"
             )
+        check_burns(self.transfer, zones=bool(self.keep_out_zones))
         check_removals(
             self.targets, self.chasers, self.mission, self.transfer, zones=bool(self.keep_out_zones)
         )

@@ -390,7 +390,7 @@ TOGETHER = frozenset(
 RELEASES = frozenset({"disposal by perigee", "lifetimes"})
 """What is asked of objects that are released."""
 
-MODELLED = frozenset({"safety ellipse"})
+MODELLED = frozenset({"free burns", "safety ellipse"})
 """Rules of the model's own connections: whoever takes these as they are follows them."""
 
 JUDGED = (

@@ -229,8 +229,8 @@ class TransferSettings(SequenceSettings):
     Beside those of the co-elliptic sequence: a connection that another one dominates up to
     ``delta_v_resolution_m_s`` is left out, and departures of a pair lie no closer than
     ``departure_spacing_s``. Then come the grid of transfers that drift and the longest time that
-    one may take, 0 for none. ``burns``: whether short legs fly the planned "sequence", or a plan
-    prices and judges "free" ones, which refinement finds; not in files that do not state it.
+    one may take, 0 for none. A short leg costs what its ``burns`` take: those of the "sequence",
+    or "free" ones, which refinement finds (docs/model.md section 2.7); the default is not in files.
     Classes of the mass of chasers with low thrust are no wider than a
     share ``mass_class`` (:data:`.drives.CLASS_WIDTH` if None, and then not in the file). From the
     arrival at one body to that at the next no more than ``max_leg_s`` may pass, waiting and service

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
@@ -43,6 +44,9 @@ MOST_COMPARED = 500
 
 UNKNOWN_STEP_S = DAY_S
 """Step where the bodies are unknown."""
+
+MOST_ROUND = 0.0005
+"""Largest eccentricity of orbits between which legs are priced by the burns of their sequence."""
 
 SPACING = 0.4
 """Spacing of short departures in steps: several lie between two times of the grid."""
@@ -130,6 +134,11 @@ def _in_half_days(seconds: float) -> float:
     return STEP_ROUNDING_S * round(seconds / STEP_ROUNDING_S)
 
 
+def burns_for(orbits: Sequence[Orbit]) -> Literal["sequence", "free"]:
+    """Burns that short legs between some orbits are priced by: free ones if any is eccentric."""
+    return "free" if any(orbit.eccentricity > MOST_ROUND for orbit in orbits) else "sequence"
+
+
 def phase_period_s(orbits: Sequence[Orbit]) -> float | None:
     """Synodic period of two bodies, for the median pair: the return of their phase [s].
 
@@ -164,7 +173,8 @@ def told(transfer: TransferSettings) -> str:
             f"long transfers of up to {in_days(transfer.max_drift_s)} in steps of "
             f"{in_days(transfer.drift_step_s)}"
         )
-    return f"{drifts}, {departures}, ΔV to {transfer.delta_v_resolution_m_s:g} m/s"
+    burns = ", legs by free burns" if transfer.burns == "free" else ""
+    return f"{drifts}, {departures}, ΔV to {transfer.delta_v_resolution_m_s:g} m/s{burns}"
 
 
 def in_days(seconds: float) -> str:

@@ -12,7 +12,7 @@ from ..common.options import read
 from ..common.progress import Progress, Relayed, silent
 from ..common.stop import Stop
 from ..common.wording import counted
-from ..mission.build_legs import APPROXIMATE
+from ..mission.build_legs import ON_PRICES
 from ..mission.certified import certify_routes
 from ..mission.problem import Problem
 from ..mission.result import Result, noted
@@ -137,7 +137,7 @@ class Prepared:
         if quick.objective <= result.objective:
             return result
         progress(quick.objective, result.upper_bound)
-        said = [note for note in result.notes if note != APPROXIMATE]  # certify says it again
+        said = [note for note in result.notes if note not in ON_PRICES]  # certify says it again
         return certify_routes(
             problem,
             self.method,

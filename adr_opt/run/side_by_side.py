@@ -10,7 +10,7 @@ from dataclasses import replace
 from ..common.clock import now_s
 from ..common.progress import Progress, Relayed
 from ..common.stop import Proven, Stop
-from ..mission.build_legs import APPROXIMATE
+from ..mission.build_legs import ON_PRICES
 from ..mission.certified import certify_routes
 from ..mission.problem import Problem
 from ..mission.result import Result
@@ -199,7 +199,7 @@ def _join(problem: Problem, planned: Result, proven: Result, runtime_s: float) -
         upper_bound=problem.worth(upper_bound),
         evidence=min(planned, proven, key=lambda side: side.upper_bound).evidence,
         counters=counters,
-        notes=[note for note in dict.fromkeys(notes) if note != APPROXIMATE],
+        notes=[note for note in dict.fromkeys(notes) if note not in ON_PRICES],
     )
     if result.plan is None and "infeasible" in (planned.status, proven.status):
         return replace(result, status="infeasible")

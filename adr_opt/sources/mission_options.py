@@ -34,6 +34,7 @@ class MissionOptions(NamedTuple):
     max_drift_days: float | None = None
     departure_spacing_days: float | None = None
     resolution: float | None = None
+    burns: Literal["sequence", "free"] | None = None
     approach: ApproachName | None = None
 
     def outline(self, *, thrust: bool = False, fitted_by: str | None = None) -> MissionOutline:
@@ -66,6 +67,7 @@ class MissionOptions(NamedTuple):
             self.max_drift_days,
             self.departure_spacing_days,
             self.resolution,
+            "sequence" if thrust and self.burns is None else self.burns,
         )
         transfer["approach"] = self.approach
         if thrust and (self.dynamics != "j2" or self.max_drift_days == 0.0):
@@ -89,7 +91,8 @@ def transfer_of(
     max_drift_days: float | None,
     departure_spacing_days: float | None,
     resolution: float | None,
-) -> dict[str, float | None]:
+    burns: str | None,
+) -> dict[str, float | str | None]:
     """Transfer settings given in the call; the others, None, are derived from the mission.
 
     Raises
@@ -120,6 +123,7 @@ def transfer_of(
         "max_drift_s": _seconds(max_drift_days),
         "departure_spacing_s": _seconds(departure_spacing_days),
         "delta_v_resolution_m_s": resolution,
+        "burns": burns,
     }
 
 
@@ -163,6 +167,7 @@ def check_objects(names: Iterable[str], max_targets: int | None) -> None:
 
 
 OPTIONS = {
+    "burns": "--burns",
     "approach": "--approach",
     "circle_m": "--disposal-altitude",
     "delta_v_m_s": "--delta-v",

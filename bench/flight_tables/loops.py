@@ -6,6 +6,7 @@ import os
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from fields import ROOT, eccentric, imported
@@ -30,8 +31,12 @@ CLOUDS = (
 """File, targets, days, and the tank in km/s."""
 
 
-def instances() -> Iterator[Instance]:
-    """Twenty instances of eccentric orbits under J2; without external data twelve."""
+def instances(priced: Literal["sequence", "free"] = "free") -> Iterator[Instance]:
+    """Twenty instances of eccentric orbits under J2, by a price; without external data twelve."""
+
+    def by_price(field: Instance) -> Instance:
+        return field.replace(transfer=field.transfer.replace(burns=priced))
+
     for family, seeds, targets in (
         ("reduced-fuel", 4, None),
         ("nominal", 3, 25),
@@ -39,15 +44,15 @@ def instances() -> Iterator[Instance]:
     ):
         for seed in range(seeds):
             field = eccentric(adr_opt.generate(family, seed, targets=targets), 0.02, seed)
-            yield field.replace(name=f"{field.name}-eccentric")
+            yield by_price(field.replace(name=f"{field.name}-eccentric"))
     for seed in range(3):
-        yield adr_opt.generate("cloud", seed).replace(dynamics="j2")
+        yield by_price(adr_opt.generate("cloud", seed).replace(dynamics="j2"))
     if folder := os.environ.get("ADR_OPT_EXTERNAL_DATA"):
         for number, (file, targets, days, tank) in enumerate(CLOUDS):
             made = imported(
                 Path(folder) / file, f"--max-targets {targets} --duration-days {days}"
             ).with_limits(delta_v_m_s=1e3 * tank)
-            yield made.replace(name=f"iridium-33-{number}")
+            yield by_price(made.replace(name=f"iridium-33-{number}"))
 
 
 def expected(last: Round) -> list[tuple[float, float, bool]]:
@@ -80,6 +85,7 @@ def loop(
     jobs: int = 2,
     burns: tuple[Freedom, ...] = ("free", "planned"),
     only: str = "",
+    priced: Literal["sequence", "free"] = "free",
     spend_savings: bool = False,
 ) -> None:
     """Plan, refine and plan again until plans hold, on twenty instances of eccentric orbits.
@@ -87,7 +93,7 @@ def loop(
     First and last round stand side by side, and what the corrected connections said of the last
     plan beside what it flies: in total, as the mean error of a leg, and of the legs alone between
     pairs of bodies that were not flown between before. With ``--spend-savings`` connections may
-    become cheaper, and every mission is planned at least twice.
+    become cheaper, and every mission is planned at least twice. ``--priced`` is what legs cost by.
     """
     head(
         *("instance", "burns", "prize, first", "flown against planned", "holds at once", "rounds"),
@@ -96,7 +102,7 @@ def loop(
     )
     counts = {one: np.zeros(3, dtype=int) for one in burns}
     heard = defaultdict[tuple[str, bool], list[tuple[float, float, bool]]](list)
-    for instance in instances():
+    for instance in instances(priced):
         for freedom in burns if only in instance.name else ():
             found, _, taken = timed(
                 lambda: adr_opt.solve_refined(

@@ -49,7 +49,8 @@ class LongerPhasing(RegisteredFamily):
         return instance.given is None and instance.dynamics == "two-body"
 
     def _rule(self, ends: PairEnds) -> TransferRule:
-        return ends.rule._replace(max_phasing_revolutions=self._most)
+        # Free burns have no price for so many revolutions.
+        return ends.rule._replace(max_phasing_revolutions=self._most, free=False)
 
     def _own(self, ends: PairEnds, resolution_m_s: float) -> ConnectionArrays:
         """Those of all revolutions that short legs may not have."""

@@ -418,3 +418,15 @@ def test_a_plan_of_another_instance_is_refused() -> None:
     with pytest.raises(InputError, match="belongs to the instance"):
         replan(tiny(1)[0], plan, 0.0)
     assert math.isfinite(plan.cost)
+
+
+def test_zones_price_legs_by_their_sequence_again() -> None:
+    """Free burns may lead into a new zone: the rest has the price of the sequence, and says so."""
+    instance, _ = tiny()
+    free = instance.replace(transfer=instance.transfer.replace(burns="free"))
+    plan = adr_opt.solve(free, "greedy-guarded").plan
+    assert plan is not None
+    for zones, burns in (((), "free"), ((ZONE,), "sequence")):
+        made = replan(free, plan, 0.4 * DAY_S, zones=zones)
+        assert made.instance.transfer.burns == burns
+        assert any("where free burns lead" in note for note in made.notes) == bool(zones)

@@ -625,6 +625,32 @@ def visiting_hurried(seed: int) -> Instance:
     return visiting(hurried_mission(seed), seed)
 
 
+def freely(instance: Instance, seed: int) -> Instance:
+    """The same on ellipses, with legs by free burns and without zones."""
+    rng = np.random.default_rng([15, seed])
+    targets = [
+        target.replace(
+            orbit=target.orbit.replace(
+                eccentricity=float(rng.uniform(0.0, 0.01)),
+                argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
+            )
+        )
+        for target in instance.targets
+        if target.orbit is not None
+    ]
+    return instance.replace(
+        name=f"{instance.name}-free",
+        targets=tuple(targets),
+        keep_out_zones=(),
+        transfer=instance.transfer.replace(burns="free"),
+    )
+
+
+def free_mission(seed: int) -> Instance:
+    """A mission with legs by free burns, by turns in each dynamics and of several chasers."""
+    return freely((random_mission, drifting_mission, random_campaign)[seed % 3](seed // 3), seed)
+
+
 def rounding_mission(seed: int) -> Instance:
     """A mission of a day or two whose targets are approached on safety ellipses."""
     rng = np.random.default_rng([4, seed])
@@ -657,5 +683,7 @@ DRAWS: dict[str, Callable[[int], Instance]] = {
     "visiting field": visiting_field,
     "visiting campaign": visiting_campaign,
     "visiting hurried": visiting_hurried,
+    "free": free_mission,
+    "free hurried": lambda seed: freely(hurried_mission(seed), seed),
 }
 """All kinds of drawn fields that enumeration can tell the best plan of."""

@@ -12,6 +12,7 @@ from random_rules import (
     drifting_mission,
     falling_campaign,
     falling_mission,
+    freely,
     given_mission,
     mixed_campaign,
     random_campaign,
@@ -49,6 +50,8 @@ every_rule = over_kinds(
     j2=(drifting_mission, 0.4, range(40), 3),
     given=(given_mission, 0.15, range(40), 5),
     prizes=(variant, 0.5, range(30), 3),
+    free=(lambda seed: freely(random_mission(seed), seed), 0.5, range(16), 2),
+    free_j2=(lambda seed: freely(drifting_mission(seed), seed), 0.4, range(16), 2),
     **{
         draw.__name__: (draw, 0.3, range(16), 3)
         for draw in (laden, towing_mission, towing_and_laden, refuelling, falling_mission)

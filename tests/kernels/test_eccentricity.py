@@ -10,7 +10,7 @@ import rows
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
-from adr_opt.judge.check.eccentric import StatedSequence, matching_cost
+from adr_opt.judge.check.eccentric import StatedSequence, short_cost
 from adr_opt.kernels.legs import co_elliptic, precession
 from adr_opt.kernels.orbits import columns, eccentricity, ephemeris
 from adr_opt.kernels.orbits.eccentricity import matchings
@@ -47,7 +47,7 @@ def test_a_leg_costs_no_less_than_its_sequence_and_than_its_ends_ask_for() -> No
         _, _, _, square = co_elliptic.burn_parts(pair, law, k, r)
         circles = co_elliptic.turned_delta_v(pair, law, k, r, pair.turn, 0.0)
         least = math.hypot(pair.matching, math.sqrt(square * pair.turn)) + pair.fixed_delta_v
-        found = co_elliptic.sequence_delta_v(pair, law, k, r)
+        found = co_elliptic.turned_delta_v(pair, law, k, r, pair.turn, pair.matching)
         assert found == pytest.approx(max(circles, least), rel=1e-14)
         assert pair.floor_delta_v <= found * (1.0 + 1e-14)
         dearer += found > circles + 1.0
@@ -65,8 +65,7 @@ def test_circles_cost_what_they_did_to_the_last_digit() -> None:
         climb, rest, chord, square = co_elliptic.burn_parts(pair, law, k, r)
         turning = math.sqrt(chord * chord + square * pair.turn)
         expected = abs(climb) + abs(rest) + turning + pair.fixed_delta_v
-        assert co_elliptic.sequence_delta_v(pair, law, k, r) == expected
-        assert co_elliptic.eccentric_share(pair, law, k, r, pair.turn, pair.matching) == 0.0
+        assert co_elliptic.turned_delta_v(pair, law, k, r, pair.turn, pair.matching) == expected
 
 
 def test_the_share_grows_steadily_from_nothing() -> None:
@@ -79,11 +78,11 @@ def test_the_share_grows_steadily_from_nothing() -> None:
         scales = np.linspace(0.0, 1.0, 201)
         shares = np.array(
             [
-                co_elliptic.eccentric_share(pair, law, 2, r, pair.turn, scale * pair.matching)
+                co_elliptic.turned_delta_v(pair, law, 2, r, pair.turn, scale * pair.matching)
                 for scale in scales
             ]
         )
-        assert shares[0] == 0.0
+        shares -= shares[0]
         assert np.all(np.diff(shares) >= -1e-12)
         assert np.all(np.diff(shares) <= pair.matching / 200 + 1e-9)
         grown += shares[-1] > 0.0
@@ -134,7 +133,8 @@ def test_the_checker_states_the_same_on_its_own(oblateness: float) -> None:
         assert matching > 0.0
         _, _, _, square = co_elliptic.burn_parts(pair, law, k, r)
         expected = math.hypot(matching, 2.0 * math.sqrt(square) * math.sin(0.5 * theta))
-        found = matching_cost(*bodies, law, time, StatedSequence(time, time, k, r, theta))
+        stated = StatedSequence(time, time, k, r, theta)
+        found = short_cost((bodies[0], bodies[1]), law, time, stated, 0.0)
         assert found == pytest.approx(expected + pair.fixed_delta_v, rel=1e-9)
 
 

@@ -149,7 +149,7 @@ def every_sequence(pair, rule, lead):
                 flown = co_elliptic.flight_time(pair.radius_i, pair.radius_j, 0.0, 0.0, 0.75, r)[0]
                 flown += k * co_elliptic.lap_time(r, 0.0)[0]
                 a, b = (r, b) if flown < time else (a, r)
-            delta_v = co_elliptic.sequence_delta_v(pair, rule, k, 0.5 * (a + b))
+            delta_v = co_elliptic.leg_delta_v(pair, rule, k, 0.5 * (a + b), 0.0, time, pair.turn)
             yield delta_v + rule.time_value * time, time, k, delta_v
 
 
@@ -214,10 +214,10 @@ def test_floor_is_below_every_sequence():
     for i, j, pair, _, _ in pairs(5):
         r = rng.uniform(rule.min_radius, rule.max_radius)
         for k in (0, 1, 5):
-            assert pair.floor_delta_v <= co_elliptic.sequence_delta_v(pair, rule, k, r) + 1e-9, (
-                i,
-                j,
-            )
+            assert (
+                pair.floor_delta_v
+                <= co_elliptic.turned_delta_v(pair, rule, k, r, pair.turn, pair.matching) + 1e-9
+            ), (i, j)
 
 
 @pytest.mark.parametrize("ellipse", [False, True])

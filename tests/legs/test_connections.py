@@ -41,7 +41,7 @@ def every_sequence(origin, destination, extra, rule, duration):
                     continue
                 r = co_elliptic.phasing_radius(pair, rule, k, time)
                 if not keep_out.is_blocked(pair, rule, k, r, departure):
-                    cost = co_elliptic.sequence_delta_v(pair, rule, k, r)
+                    cost = co_elliptic.leg_delta_v(pair, rule, k, r, departure, time, pair.turn)
                     found.append((departure, arrival, cost, k))
         number += 1
     return np.array(found).reshape(-1, 4)

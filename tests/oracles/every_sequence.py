@@ -34,7 +34,7 @@ def sequences(
         while time <= high:
             radius = co_elliptic.phasing_radius(pair, rule, k, time)
             if not zones.is_blocked(pair, rule, k, radius, departure):
-                delta_v = co_elliptic.sequence_delta_v(pair, rule, k, radius)
+                delta_v = co_elliptic.leg_delta_v(pair, rule, k, radius, departure, time, pair.turn)
                 arrival = departure + time + rule.approach_revolutions * lap
                 yield Flown(departure, arrival, delta_v, k, radius)
             time += lap

@@ -17,7 +17,7 @@ import adr_opt
 from adr_opt.common.constants import DAY_S, MU_M3_S2
 from adr_opt.common.errors import InputError
 from adr_opt.problem.settings import TransferSettings
-from adr_opt.problem.transfer_sizes import SHORT_S, phase_period_s, told, transfers_for
+from adr_opt.problem.transfer_sizes import SHORT_S, burns_for, phase_period_s, told, transfers_for
 
 
 @pytest.fixture
@@ -128,7 +128,8 @@ def test_an_import_drifts_unless_it_is_told_otherwise(cli: Cli, catalogue: str) 
     made = adr_opt.load("out.json")
     assert made.dynamics == "j2"
     bodies = [target.orbit for target in made.targets]
-    assert made.transfer == transfers_for(200.0 * DAY_S, orbits=bodies)
+    by_duration = transfers_for(200.0 * DAY_S, orbits=bodies)
+    assert made.transfer == by_duration.replace(burns="free")
     assert f"dynamics j2: {told(made.transfer)}" in outcome.err
     account = json.loads(outcome.out)
     assert account["dynamics"] == "j2"
@@ -137,16 +138,27 @@ def test_an_import_drifts_unless_it_is_told_otherwise(cli: Cli, catalogue: str) 
     outcome = cli("import", catalogue, "--out", "out.json", "--dynamics", "two-body")
     made = adr_opt.load("out.json")
     assert made.dynamics == "two-body"
-    assert made.transfer == TransferSettings()
+    assert made.transfer == TransferSettings(burns="free")
     assert "dynamics two-body: no long transfers" in outcome.err
     assert "warning: nodes drift" in outcome.err
+
+
+def test_an_import_has_free_burns_where_orbits_are_eccentric() -> None:
+    """One eccentricity above 0.0005 asks for the price of free burns, and the words say so."""
+    orbits = [target.orbit for target in adr_opt.generate("tiny", 0).targets]
+    assert burns_for(orbits) == "sequence"
+    for eccentricity, burns in ((0.0005, "sequence"), (0.0006, "free")):
+        one = orbits[0].replace(eccentricity=eccentricity)
+        assert burns_for([*orbits, one]) == burns
+    assert told(TransferSettings(burns="free")).endswith(", legs by free burns")
+    assert "free burns" not in told(TransferSettings())
 
 
 def test_sizes_are_set_by_hand(cli: Cli, catalogue: str) -> None:
     """Each option of an import reaches its field, in days or m/s."""
     outcome = cli(
         f"import {catalogue} --out out.json --drift-step-days 3 --max-drift-days 60 "
-        "--departure-spacing-days 0.5 --resolution 2.5 --duration-days 100"
+        "--departure-spacing-days 0.5 --resolution 2.5 --duration-days 100 --burns sequence"
     )
     assert outcome.status == 0
     made = adr_opt.load("out.json").transfer

@@ -60,10 +60,6 @@ from adr_opt.ui.report import page
 METHODS = [(group, name) for group in (PLANNERS, BOUNDS) for name in names(group)]
 
 
-UNBUILT = {"free burns"}
-"""Rules of which the file has the fields, and nobody yet the physics."""
-
-
 def with_new_field(record: Record, path: str) -> Any:
     """A copy of a record with a field that nobody knows, set in the first record of a path."""
     part, _, rest = path.partition(".")
@@ -153,10 +149,10 @@ def test_words_that_are_no_rules_are_refused() -> None:
 def test_each_rule_is_followed_by_a_planner_and_by_check() -> None:
     """No rule stands in the table that nobody plans with, but for those that cannot go together."""
     planned = set().union(*(spec(name, group).follows for group, name in METHODS))
-    assert planned == RULES.keys() - TOGETHER - UNBUILT
+    assert planned == RULES.keys() - TOGETHER
     from adr_opt.judge.check.verdict import FOLLOWS
 
-    assert FOLLOWS.follows == RULES.keys() - UNBUILT
+    assert FOLLOWS.follows == RULES.keys()
 
 
 def test_bundles_are_those_of_1_0() -> None:
@@ -194,7 +190,7 @@ def test_methods_refuse_a_new_field_and_a_rule_they_do_not_name(
         with pytest.raises(InputError, match=f"{place}.novel".replace("[", r"\[")):
             call(with_new_field(instance, place), name, time_limit=1.0)
     known = spec(name, group).follows
-    for word in sorted(RULES.keys() - known - UNBUILT):
+    for word in sorted(RULES.keys() - known):
         monkeypatch.setitem(RULES, word, RULES[word]._replace(binds=lambda _: True))
         with pytest.raises(InputError, match=f"method '{name}' does not follow"):
             call(instance, name, time_limit=1.0)

@@ -99,8 +99,8 @@ def replan(  # noqa: PLR0913
     plan = admit(instance, plan).plan
     went = Deviations(_each_once(missed), retry, dict(services_s or {}), dict(costs_m_s or {}))
     states = states_at(instance, plan, at_s, keep=keep, failed=failed, went=went)
-    zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))
-    notes = tuple(note for state in states for note in state.notes)
+    zoned, notes = _zoned(instance, tuple(zones))
+    notes += tuple(note for state in states for note in state.notes)
     notes += tuple(crossings(zoned, states, at_s, len(instance.keep_out_zones)))
     gone = _each_once(lost)
     former = former_orders(plan, states)
@@ -114,6 +114,20 @@ def replan(  # noqa: PLR0913
     notes = (*notes, *_waits(states, best))
     orders = tuple(former[state.chaser.name] for state in best.states)
     return compared(instance, best, orders, gone, went, notes, began)
+
+
+def _zoned(instance: Instance, zones: tuple[KeepOutZone, ...]) -> tuple[Instance, tuple[str, ...]]:
+    """The instance with further zones, and a note if legs have another price for them."""
+    if not zones:
+        return instance, ()
+    transfer = instance.transfer.replace(burns="sequence")
+    zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones), transfer=transfer)
+    if transfer == instance.transfer:
+        return zoned, ()
+    return zoned, (
+        "short legs cost what the burns of their sequence take, which avoid the zones; where free "
+        "burns lead is not known",
+    )
 
 
 def _each_once(names: Iterable[str]) -> tuple[str, ...]:

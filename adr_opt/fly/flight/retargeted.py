@@ -27,7 +27,7 @@ from ...kernels.orbits import elements, equinoctial, mean_motion
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from ..refine.leg import FlownImpulses, LegEnds, NoWay, close
+from ..refine.leg import FlownImpulses, LegEnds, NoWay, cheapen, close
 from ..refine.one_leg import aim, planned_angles, with_a_middle
 from ..refine.own_burns import cheapest_near
 from ..refine.tow import along
@@ -123,9 +123,10 @@ class Aim:
         self._decays = instance.decay_of(leg.origin), instance.decay_of(leg.destination)
         self._instance, self._lead_in = instance, lead_in
         self._angles = planned_angles(instance, leg, lead_in)
+        self._is_free = instance.transfer.burns == "free" and not leg.traits.on_time_grid
 
     def delta_v_m_s(self) -> float:
-        """ΔV of retargeted burns, tows excluded [m/s].
+        """ΔV of retargeted burns, or of free ones where legs have their price; tows excluded [m/s].
 
         Raises
         ------
@@ -139,6 +140,8 @@ class Aim:
             flown = cheapest_near(whole, self._closed(times, planned), planned)
         except NoWay:
             flown = aim(whole, self._burns)  # with a few burns more
+        if self._is_free:
+            flown = cheapen(whole, flown)
         return flown.delta_v_m_s + self._docking_m_s(flown)
 
     def _closed(self, times: Array, planned: Array) -> FlownImpulses:

@@ -25,8 +25,8 @@ POSITION_M, SPEED_M_S = 1e-3, 1e-6
 """Tolerances of a leg at its goal: a thousandth of those in the contract of refined plans."""
 
 MOST_NEWTON = 25
-MOST_CONVEX = 12
-"""Maximum numbers of steps to close a miss, and of convex steps."""
+MOST_CONVEX, MOST_LED_BACK = 12, 24
+"""Maximum numbers of steps to close a miss, of convex steps, and of those back within limits."""
 
 WORTH = 1e-4
 """Least relative gain of a convex step; a smaller one is the last."""
@@ -37,6 +37,10 @@ PER_REVOLUTION = 24
 MOST_CANDIDATES = 960
 """Maximum number of candidate times in a leg; beyond it, whole revolutions in its middle are
 omitted evenly."""
+
+INSIDE_M, NEAR_M = 8e3, 4e3
+"""How far within its limit an apsis is held, and how near to that it counts as on it [m]. Under J2
+osculating apsides of one arc swing by as much, so that arcs beside it come to be beyond."""
 
 NEGLIGIBLE_M_S = 1e-4
 """Size of impulses that are omitted if the others can do without them."""
@@ -108,8 +112,8 @@ class FlownImpulses:
         return float(np.sqrt(np.sum(self.impulses**2, axis=1)).sum())
 
     @property
-    def reach_m(self) -> tuple[float, float]:
-        """Lowest perigee and highest apogee of the arcs between impulses [m].
+    def apsides_m(self) -> tuple[Array, Array]:
+        """Perigees and apogees of the arcs after each impulse, shape (burns,) each [m].
 
         An arc after the last impulse counts, one without length does not: it ends at the goal.
         """
@@ -119,7 +123,13 @@ class FlownImpulses:
         axis = 1.0 / (2.0 / radius - np.sum(after[:, 3:] ** 2, axis=1) / MU_M3_S2)
         momentum = np.sum(np.cross(after[:, :3], after[:, 3:]) ** 2, axis=1)
         e = np.sqrt(np.maximum(1.0 - momentum / (MU_M3_S2 * axis), 0.0))
-        return float((axis * (1.0 - e)).min()), float((axis * (1.0 + e)).max())
+        return axis * (1.0 - e), axis * (1.0 + e)
+
+    @property
+    def reach_m(self) -> tuple[float, float]:
+        """Lowest perigee and highest apogee of the arcs between impulses [m]."""
+        perigees, apogees = self.apsides_m
+        return float(perigees.min()), float(apogees.max())
 
 
 class NoWay(ArithmeticError):
@@ -199,20 +209,48 @@ def close(
 
 
 def cheapen(course: LegEnds, flown: FlownImpulses) -> FlownImpulses:
-    """Impulses of less ΔV that also reach the goal, by successive convex steps."""
-    low, high = flown.reach_m
-    limits = min(course.lowest_m, low), max(course.highest_m, high)
+    """Impulses of less ΔV that also reach the goal, by successive convex steps.
+
+    Steps that are shortened until they stay within the limits of altitude end far from the least.
+    So where the least without limits is beyond them, it is led back as well, with the apsides that
+    are beyond held at their limits; the cheaper one within them is taken. Where the trajectory that
+    it begins with goes further, and nothing else is found, it may go as far.
+    """
+    limits, (low, high) = (course.lowest_m, course.highest_m), flown.reach_m
+    least = _descended(course, flown, (-math.inf, math.inf))
+    if _is_within(least, limits):
+        return least
+    back = least
+    best = _descended(course, flown, (min(limits[0], low), max(limits[1], high)))
+    for _ in range(MOST_LED_BACK):
+        led = _led_back(course, back, limits)
+        if led is None:
+            break
+        gain = best.delta_v_m_s - led.delta_v_m_s
+        if _is_within(led, limits) and (gain > 0.0 or not _is_within(best, limits)):
+            best = led
+            if abs(gain) <= WORTH * best.delta_v_m_s:
+                break
+        back = led
+    return best
+
+
+def _descended(course: LegEnds, flown: FlownImpulses, limits: tuple[float, float]) -> FlownImpulses:
+    """The end of convex steps that get cheaper and stay within limits."""
     share = 1.0
     for _ in range(MOST_CONVEX):
         times, impulses = _with_candidates(course, flown)
         now = fly(course, times, impulses)
         wanted = np.einsum("kij,kj->i", now.effects, now.impulses) - now.miss
-        least = least_impulses(now.effects, wanted)
-        found = fewest(now.effects, least.impulses)
+        found = _fewest_of_least(now.effects, wanted)
         gain = 0.0
         while share > 0.02:
-            tried = _try(course, limits, times, impulses + share * (found - impulses))
-            if tried is not None and tried.delta_v_m_s < flown.delta_v_m_s:
+            tried = _try(course, times, impulses + share * (found - impulses))
+            if (
+                tried is not None
+                and _is_within(tried, limits)
+                and tried.delta_v_m_s < flown.delta_v_m_s
+            ):
                 gain = flown.delta_v_m_s - tried.delta_v_m_s
                 flown, share = tried, min(1.0, 2.0 * share)
                 break
@@ -220,26 +258,79 @@ def cheapen(course: LegEnds, flown: FlownImpulses) -> FlownImpulses:
         if gain <= WORTH * flown.delta_v_m_s:
             break
     # A step that was taken in part leaves the impulses of two solutions.
-    tried = _try(course, limits, flown.times, fewest(flown.effects, flown.impulses))
-    if tried is not None and tried.delta_v_m_s <= (1.0 + WORTH) * flown.delta_v_m_s:
+    tried = _try(course, flown.times, fewest(flown.effects, flown.impulses))
+    if (
+        tried is not None
+        and _is_within(tried, limits)
+        and tried.delta_v_m_s <= (1.0 + WORTH) * flown.delta_v_m_s
+    ):
         return tried
     return flown
 
 
-def _try(
-    course: LegEnds, limits: tuple[float, float], times: Array, impulses: Array
+def _led_back(
+    course: LegEnds, flown: FlownImpulses, limits: tuple[float, float]
 ) -> FlownImpulses | None:
+    """The convex step that holds all apsides at their limits that are beyond or near them.
+
+    None if it does not reach the goal.
+    """
+    times, impulses = _with_candidates(course, flown)
+    now = fly(course, times, impulses)
+    wanted = np.einsum("kij,kj->i", now.effects, now.impulses) - now.miss
+    effects = now.effects
+    perigees, apogees = flown.apsides_m
+    for arc, begins in enumerate(flown.times):
+        for apsis, sign, limit in (
+            (perigees[arc], -1.0, limits[0] + INSIDE_M),
+            (apogees[arc], 1.0, limits[1] - INSIDE_M),
+        ):
+            if sign * (apsis - limit) > -NEAR_M:
+                row, value = _held(course, now, float(begins), sign, limit)
+                effects = np.concatenate([effects, row[:, None, :]], axis=1)
+                wanted = np.append(wanted, value)
+    return _try(course, times, _fewest_of_least(effects, wanted))
+
+
+def _is_within(flown: FlownImpulses, limits: tuple[float, float]) -> bool:
+    low, high = flown.reach_m
+    return limits[0] <= low and high <= limits[1]
+
+
+def _held(
+    course: LegEnds, now: FlownImpulses, begins_s: float, sign: float, apsis_m: float
+) -> tuple[Array, float]:
+    """The linear equation that an apsis of an arc is at a radius: its row (burns, 3), and value.
+
+    Impulses before the arc change its size and eccentricity as they change those at the goal. The
+    sign is −1 for a perigee, and 1 for an apogee.
+    """
+    arc = int(np.searchsorted(now.times, begins_s, side="right")) - 1
+    after = now.states[arc].copy()
+    after[3:] += now.impulses[arc]
+    axis, f, g = equinoctial.elements(after, equinoctial.own_frame(course.goal))[:3]
+    e = math.hypot(f, g)
+    slope = np.array([1.0 + sign * e, sign * axis * f / e, sign * axis * g / e])
+    row = np.einsum("i,kij->kj", slope, now.effects[:, :3])
+    row[arc + 1 :] = 0.0
+    return row, apsis_m - axis * (1.0 + sign * e) + float(np.sum(row * now.impulses))
+
+
+def _fewest_of_least(effects: Array, wanted: Array) -> Array:
+    """Impulses of least total size that make a change, with as few of them as there may be."""
+    return fewest(effects, least_impulses(effects, wanted).impulses)
+
+
+def _try(course: LegEnds, times: Array, impulses: Array) -> FlownImpulses | None:
     """Close impulses without negligible ones; None if that fails."""
     sizes = np.sqrt(np.sum(impulses**2, axis=1))
     kept = sizes > NEGLIGIBLE_M_S
     if kept.sum() < 2:
         return None
     try:
-        found = close(course, times[kept], impulses[kept])
+        return close(course, times[kept], impulses[kept])
     except NoWay:
         return None
-    low, high = found.reach_m
-    return found if limits[0] <= low and high <= limits[1] else None
 
 
 def _with_candidates(course: LegEnds, flown: FlownImpulses) -> tuple[Array, Array]:

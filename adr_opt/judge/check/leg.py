@@ -28,7 +28,7 @@ from ...problem.drives import Drive, drive_of
 from ...problem.given import Given
 from ...problem.instance import Instance
 from .drift import check_drift
-from .eccentric import StatedSequence, matching_cost
+from .eccentric import StatedSequence, short_cost
 from .figures import check_burns, check_costs
 from .given import check_given
 from .low_thrust import check_low_thrust
@@ -165,10 +165,8 @@ def check_transfer(
     circles = float(
         co_elliptic.turned_delta_v(pair, rule, sequence.laps, sequence.radius, turn, 0.0)
     )
-    least = matching_cost(origin, destination, rule, leg.departure_s, sequence)
-    extra = max(0.0, least - circles)
-    delta_v = circles + extra
-    yield from _check_figures(sequence, delta_v, extra, number, leg)
+    delta_v = short_cost((origin, destination), rule, leg.departure_s, sequence, circles)
+    yield from _check_figures(sequence, delta_v, delta_v - circles, number, leg)
     if zones.is_blocked(pair, rule, sequence.laps, sequence.radius, sequence.departure) and not any(
         True for _ in crossed(instance, leg)
     ):

@@ -14,7 +14,7 @@ from ...legs.families.family import Way
 from ...problem.drives import Drive
 from ...problem.instance import Instance
 from ..check.drift import drift_cost
-from ..check.eccentric import StatedSequence, matching_cost
+from ..check.eccentric import StatedSequence, short_cost
 from ..check.leg import Physics
 from ..check.low_thrust_optimum import cost_between
 
@@ -139,7 +139,7 @@ def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) ->
         sequence = StatedSequence(departure, arrival, laps, radius, theta)
         turned = 4.0 * math.sin(0.5 * theta) ** 2
         circles = float(co_elliptic.turned_delta_v(pair, rule, laps, radius, turned, 0.0))
-        delta_v = max(circles, matching_cost(*ends, rule, departure, sequence))
+        delta_v = short_cost(ends, rule, departure, sequence, circles)
         if crossing not in cheapest or delta_v < cheapest[crossing][0].delta_v:
             cheapest[crossing] = Way(departure, arrival, delta_v), moved < STEADY_RAD
     first = math.inf

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...common.constants import MU_M3_S2, TURN_RAD
 from ..core.compile import kernel
-from ..orbits import eccentricity, ephemeris
+from ..orbits import ephemeris
 from . import co_elliptic, precession
 
 HOHMANN_1, PHASING, CO_ELLIPTIC, TERMINAL, APPROACH, DRIFT = range(6)
@@ -171,6 +171,8 @@ def approach_burns(orbit_j, rule, stand_off, period):
 def eccentric_share(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, revolutions):
     """Part of a connection's ΔV that its burns do not cover: the cost of eccentricity [m/s].
 
+    Where burns are free, their price less the burns of the sequence: also below 0.
+
     Parameters
     ----------
     orbit_i, orbit_j, extra_delta_v, rule
@@ -188,8 +190,8 @@ def eccentric_share(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, r
         lag += precession.carried(pair, rule, revolutions, r, flight)
         _, _, theta = precession.line(pair, lag)
         turn = 4.0 * math.sin(0.5 * theta) ** 2
-    matching = eccentricity.matching(pair, departure)
-    return co_elliptic.eccentric_share(pair, rule, revolutions, r, turn, matching)
+    whole = co_elliptic.leg_delta_v(pair, rule, revolutions, r, departure, flight, turn)
+    return whole - co_elliptic.turned_delta_v(pair, rule, revolutions, r, turn, 0.0)
 
 
 @kernel

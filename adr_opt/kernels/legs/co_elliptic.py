@@ -17,6 +17,7 @@ import numpy as np
 from ...common.constants import MU_M3_S2, SLACK_S, TURN_RAD
 from ..core.compile import inlined, kernel
 from ..orbits import eccentricity, ephemeris
+from . import free_burns
 
 SQRT_MU = math.sqrt(MU_M3_S2)
 
@@ -46,6 +47,8 @@ class TransferRule(NamedTuple):
         ΔV of the approach over the mean motion of the target [m].
     approach : (burns, 5) float64
         Its burns, :class:`adr_opt.problem.approach.Approach`.
+    free : bool
+        Whether a leg has the price of free burns (:mod:`.free_burns`), not that of its sequence.
     """
 
     first_leg_fraction: float
@@ -59,6 +62,7 @@ class TransferRule(NamedTuple):
     oblateness: float
     approach_length: float
     approach: np.ndarray
+    free: bool = False
 
 
 class Pair(NamedTuple):
@@ -101,10 +105,13 @@ class Pair(NamedTuple):
     shift_i: float  # −3/2 π J2 R² cos i: a node's shift in half a revolution, but for a² [rad m²]
     shift_j: float
     matching: float  # v |Δe| / 2, or 0 where perigees drift [m/s]
-    eccentricity_i: float  # where perigees drift, else 0
+    eccentricity_i: float  # where perigees drift or burns are free, else 0
     eccentricity_j: float
+    perigee_i: float  # ω_i at t = 0 [rad]
+    perigee_rate_i: float  # [rad/s]
     perigee_lag: float  # ω_j − ω_i at t = 0 [rad]
     perigee_lag_rate: float  # [rad/s]
+    free_speed: float  # v of free burns, 0 where a leg has the price of its sequence [m/s]
     acceleration_i: float  # of the arguments of latitude of decaying orbits, else 0 [rad/s²]
     acceleration_j: float
 
@@ -205,10 +212,10 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
     drifts = ephemeris.planes_drift(rule.oblateness)
     fixed = ephemeris.mean_motion(rj) * rule.approach_length
     eccentricity_i = eccentricity_j = matching_alone = 0.0
-    if drifts:
+    if drifts or rule.free:
         eccentricity_i = ephemeris.eccentricity_at(orbit_i, time)
         eccentricity_j = ephemeris.eccentricity_at(orbit_j, time)
-    else:
+    if not drifts:
         matching_alone = extra_delta_v
     # The turning burn takes the velocity v₁ of arc 1 to a velocity at the angle θ: it is at least
     # the distance of v₁ from that direction, v₁ sin θ (v₁ itself beyond a right angle), and v₁ is
@@ -219,6 +226,20 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
         turn_floor = 0.0  # planes drift towards each other
     f = rule.first_leg_fraction
     reference = 0.5 * (ri + rj)
+    turn = 4.0 * math.sin(0.5 * theta) ** 2
+    floor, low, high = max(turn_floor, matching_alone), rule.min_radius, rule.max_radius
+    free_speed = 0.0
+    if rule.free:
+        free_speed = math.sqrt(MU_M3_S2 / math.sqrt(ri * rj))
+        # Apsides of the orbit between both ends, whose eccentricity vector is half way.
+        middle = 0.5 * (eccentricity_i + eccentricity_j)
+        low /= 1.0 - middle
+        high = max(low, high / (1.0 + middle))
+        least_turn, least_shape = turn, abs(eccentricity_j - eccentricity_i)
+        if drifts:
+            least_turn = 0.0
+        floor = free_burns.floor(free_speed, (rj - ri) / reference, least_shape, least_turn)
+        fixed += math.inf if extra_delta_v == math.inf else 0.0
     flight, flight_1, flight_2 = flight_time(ri, rj, wide_i, wide_j, f, reference)
     lap, lap_1, lap_2 = lap_time(reference, wide_j)
     # The floor and the range of flight times are moved outwards by more than rounding: searches
@@ -235,9 +256,9 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
         rate_j,
         math.sqrt(MU_M3_S2 / ri),
         math.sqrt(MU_M3_S2 / rj),
-        4.0 * math.sin(0.5 * theta) ** 2,
+        turn,
         fixed,
-        fixed + max(turn_floor, matching_alone) * (1.0 - 1e-12),
+        fixed + floor * (1.0 - 1e-12),
         reference,
         flight,
         flight_1,
@@ -245,10 +266,10 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
         lap,
         lap_1,
         lap_2,
-        flight_time(ri, rj, wide_i, wide_j, f, rule.min_radius)[0] - SLACK_S,
-        lap_time(rule.min_radius, wide_j)[0],
-        flight_time(ri, rj, wide_i, wide_j, f, rule.max_radius)[0] + SLACK_S,
-        lap_time(rule.max_radius, wide_j)[0],
+        flight_time(ri, rj, wide_i, wide_j, f, low)[0] - SLACK_S,
+        lap_time(low, wide_j)[0],
+        flight_time(ri, rj, wide_i, wide_j, f, high)[0] + SLACK_S,
+        lap_time(high, wide_j)[0],
         inclination_i,
         inclination_j,
         node_j - node_i,
@@ -263,8 +284,11 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
         matching_alone,
         eccentricity_i,
         eccentricity_j,
+        perigee_i,
+        perigee_rate_i,
         perigee_j - perigee_i,
         perigee_rate_j - perigee_rate_i,
+        free_speed,
         ephemeris.latitude_acceleration_at(orbit_i, time),
         ephemeris.latitude_acceleration_at(orbit_j, time),
     )
@@ -410,14 +434,53 @@ def burn_parts(pair, rule, revolutions, r):
 
 
 @inlined
-def sequence_delta_v(pair, rule, revolutions, r):
-    """ΔV of the sequence with phasing radius r, by vis-viva (docs/model.md section 2) [m/s]."""
-    return turned_delta_v(pair, rule, revolutions, r, pair.turn, pair.matching)
+def leg_delta_v(pair, rule, revolutions, r, departure, time, turn):
+    """Price of a leg, as the rule of transfers has it (docs/model.md sections 2.5 and 2.7) [m/s].
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    revolutions : int
+        k.
+    r : float
+        Phasing radius [m].
+    departure, time : float
+        When it leaves, and how long it flies to the stand-off [s].
+    turn : float
+        4 sin²(θ/2).
+    """
+    if pair.free_speed == 0.0:
+        matching = eccentricity.matching(pair, departure)
+        return turned_delta_v(pair, rule, revolutions, r, turn, matching)
+    along, across = free_burns.shape(pair, departure, latitude_of_i(pair, departure))
+    price = free_burns.delta_v(
+        free_burns.faces_of(revolutions),
+        pair.free_speed,
+        free_burns.climb(pair),
+        free_burns.swing(pair, revolutions, time),
+        along,
+        across,
+        turn,
+    )
+    return price + pair.fixed_delta_v
 
 
 @inlined
 def turned_delta_v(pair, rule, revolutions, r, turn, matching):
-    """The same ΔV for another 4 sin²(θ/2) and another v |Δe| / 2 [m/s]."""
+    """ΔV of the sequence with phasing radius r, by vis-viva (docs/model.md section 2) [m/s].
+
+    Parameters
+    ----------
+    pair : Pair
+    rule : TransferRule
+    revolutions : int
+        k.
+    r : float
+        [m].
+    turn, matching : float
+        4 sin²(θ/2), and v |Δe| / 2 [m/s].
+    """
     climb, rest, chord, square = burn_parts(pair, rule, revolutions, r)
     return whole(climb, rest, chord, square * turn, matching) + pair.fixed_delta_v
 
@@ -436,10 +499,3 @@ def whole(climb, rest, chord, turned, matching):
     # (v₁ − v₂)² + 4 v₁ v₂ sin²(θ/2) is the cosine formula without its cancellation.
     circles = abs(climb) + abs(rest) + math.sqrt(chord * chord + turned)
     return eccentricity.whole(circles, turned, matching)
-
-
-@kernel
-def eccentric_share(pair, rule, revolutions, r, turn, matching):
-    """Part of a sequence's ΔV that its burns between circles do not cover [m/s]."""
-    circles = turned_delta_v(pair, rule, revolutions, r, turn, 0.0)
-    return turned_delta_v(pair, rule, revolutions, r, turn, matching) - circles

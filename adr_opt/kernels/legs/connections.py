@@ -118,8 +118,7 @@ def _lay_out(pair, rule, curves, begin, size, duration, grid):
                 rule,
                 curves,
                 k,
-                grid.time[row],
-                max(min(in_time, size), 0),
+                phasing.Flights(grid.departure[0], grid.time[row], max(min(in_time, size), 0)),
                 grid.cost[row],
                 grid.revolutions[row],
             )
@@ -139,7 +138,7 @@ def _cheapest_open(pair, rule, first, departure, time, below):
         if pair.longest + k * pair.longest_lap < time or turn == first:
             continue
         r = co_elliptic.phasing_radius(pair, rule, k, time)
-        delta_v = co_elliptic.sequence_delta_v(pair, rule, k, r)
+        delta_v = co_elliptic.leg_delta_v(pair, rule, k, r, departure, time, pair.turn)
         if delta_v < min(best, below) and not zones.is_blocked(pair, rule, k, r, departure):
             best, best_k = delta_v, k
             if turn < 0:

@@ -69,7 +69,7 @@ def listed_at(event, departure):
 @inlined
 def least_speed(pair, rule):
     """Lower bound on speed at the turn, which costs at least that times the sine [m/s]."""
-    return (
+    slowest = (
         (1.0 - 1e-9)
         * pair.speed_i
         * math.sqrt(
@@ -79,3 +79,4 @@ def least_speed(pair, rule):
             / (rule.max_radius * (pair.radius_i + rule.max_radius))
         )
     )
+    return slowest if pair.free_speed == 0.0 else min(slowest, pair.free_speed)

@@ -20,7 +20,8 @@ from ..core.compile import inlined, kernel
 from ..core.lists import rising
 from ..core.memory import borrowed
 from ..orbits import eccentricity
-from .phasing import NODES
+from . import co_elliptic, free_burns
+from .phasing import NODES, SWING
 
 BLOCK = 128
 """Number of events laid out at once. Offsets within an array are known to the compiler, so that it
@@ -50,21 +51,10 @@ ASIDE_S = 100.0
 LANES = 8
 """Number of lanes in the widest vectors."""
 
-(
-    BASE,
-    SINE,
-    COSINE,
-    ACROSS_I,
-    ALONG_I,
-    ACROSS_J,
-    ALONG_J,
-    TURN,
-    MATCHING,
-    MATCHING_1,
-    MATCHING_2,
-    EARLIEST,
-    ERROR,
-) = range(13)
+(BASE, SINE, COSINE, ACROSS_I, ALONG_I, ACROSS_J, ALONG_J, TURN, EARLIEST, ERROR, SHAPE) = range(11)
+FACTS = SHAPE + 6
+"""Number of facts: what eccentricity costs, or Δe where burns are free, is a parabola or two."""
+
 COST, REVOLUTIONS, LEFT, MET = range(4)
 
 
@@ -113,6 +103,14 @@ class _Laps(NamedTuple):
     high: float
 
 
+class _FreePrice(NamedTuple):
+    """What the price of free burns has of a number of revolutions, and of the pair."""
+
+    faces: free_burns.Faces
+    speed: float
+    climb: float
+
+
 class MeetingGrid(NamedTuple):
     """Cheapest sequences of a block of events, by the time they meet the target.
 
@@ -120,9 +118,9 @@ class MeetingGrid(NamedTuple):
     ----------
     facts : (fields · BLOCK,) float64
         Of the events: flight time of the first row without ε [s], sine and cosine of δ, and how the
-        line of nodes moves in both planes; 4 sin²(θ/2); the square of what matching alone costs,
-        as a parabola over the time from the event; the earliest departure and the greatest error
-        of s.
+        line of nodes moves in both planes; 4 sin²(θ/2); the earliest departure and the greatest
+        error of s; and, as parabolas over the time from the event, the square of what matching
+        alone costs, or Δe along and across the line of nodes of the event.
     found : (rows, 4 · BLOCK) float64
         ΔV, +inf for none and −inf where one is unsure [m/s]; revolutions; and how long after the
         event they leave, and after the time of the row they meet [s]. Rows are a revolution of the
@@ -149,8 +147,23 @@ def grid_of(curves, rows):
             for part in range(5):
                 flat[k, (part + 1) * NODES + n] = curves.coefficients[k, part, n]
     return MeetingGrid(
-        np.zeros(13 * BLOCK), np.zeros((rows, 4 * BLOCK)), np.empty(BLOCK, np.int64), flat
+        np.zeros(FACTS * BLOCK), np.zeros((rows, 4 * BLOCK)), np.empty(BLOCK, np.int64), flat
     )
+
+
+@inlined
+def _enter_parabola(facts, field, e, before, there, after):
+    """Enter a function of the time from an event, from its values aside of it."""
+    facts[field * BLOCK + e] = there
+    facts[(field + 1) * BLOCK + e] = 0.5 * (after - before) / ASIDE_S
+    facts[(field + 2) * BLOCK + e] = 0.5 * (after - 2.0 * there + before) / (ASIDE_S * ASIDE_S)
+
+
+@inlined
+def _parabola(facts, field, e, left):
+    """Such a function, at a time."""
+    second = facts[(field + 1) * BLOCK + e] + left * facts[(field + 2) * BLOCK + e]
+    return facts[field * BLOCK + e] + left * second
 
 
 @inlined
@@ -173,12 +186,18 @@ def _enter(pair, facts, e, time, base, lag):
     facts[ALONG_J * BLOCK + e] = along_j * sine_i / square
     tilt = 4.0 * math.sin(0.5 * (pair.inclination_j - pair.inclination_i)) ** 2
     facts[TURN * BLOCK + e] = tilt + 4.0 * sine_i * sine_j * half
-    before = eccentricity.matching(pair, time - ASIDE_S) ** 2
-    there = eccentricity.matching(pair, time) ** 2
-    after = eccentricity.matching(pair, time + ASIDE_S) ** 2
-    facts[MATCHING * BLOCK + e] = there
-    facts[MATCHING_1 * BLOCK + e] = 0.5 * (after - before) / ASIDE_S
-    facts[MATCHING_2 * BLOCK + e] = 0.5 * (after - 2.0 * there + before) / (ASIDE_S * ASIDE_S)
+    if pair.free_speed == 0.0:
+        before = eccentricity.matching(pair, time - ASIDE_S) ** 2
+        there = eccentricity.matching(pair, time) ** 2
+        after = eccentricity.matching(pair, time + ASIDE_S) ** 2
+        _enter_parabola(facts, SHAPE, e, before, there, after)
+    else:
+        latitude = co_elliptic.latitude_of_i(pair, time)
+        before, aside = free_burns.shape(pair, time - ASIDE_S, latitude)
+        there, across = free_burns.shape(pair, time, latitude)
+        after, beside = free_burns.shape(pair, time + ASIDE_S, latitude)
+        _enter_parabola(facts, SHAPE, e, before, there, after)
+        _enter_parabola(facts, SHAPE + 3, e, aside, across, beside)
     facts[EARLIEST * BLOCK + e] = -SLACK_S - time
     # An upper limit on how fast the line moves against s, but for a share of SMALL.
     speed = (sine_j / pair.rate_i + sine_i / pair.rate_j) / math.sqrt(square)
@@ -213,6 +232,8 @@ def _ends(facts, e, s, motion):
         By how much 1 − cos δ grows.
     narrow : bool
         Whether both angles are small enough for that.
+    sine_i, into_i : float
+        Direction of the line of nodes in the plane of the origin, from that of the event.
     """
     half = 0.5 * s
     q = half * half
@@ -229,7 +250,7 @@ def _ends(facts, e, s, motion):
     into_j = 1.0 + along * moved + motion.cosine_j * across * versine
     narrow = (abs(sine_i) <= SMALL * into_i) & (abs(sine_j) <= SMALL * into_j)
     left, met = _angle(sine_i, into_i) / motion.rate_i, _angle(sine_j, into_j) / motion.rate_j
-    return left, met, versine, narrow
+    return left, met, versine, narrow, sine_i, into_i
 
 
 @inlined
@@ -241,26 +262,67 @@ def _shift(curve, time):
     return shift
 
 
+@inlined
+def _solved(facts, curve, e, laps, motion):
+    """The fixed point of one sequence.
+
+    Returns
+    -------
+    left, met, versine, sine_i, into_i : float
+        As of :func:`_ends`.
+    time : float
+        From one end to the other [s].
+    there, unsure : bool
+        Whether the sequence can be flown, and whether that is unsure.
+    """
+    base = facts[BASE * BLOCK + e] + laps.later
+    # s = g(s): g(0), g there, on by Aitken's rule, and a step of the secant method.
+    s0 = _shift(curve, base)
+    left, met, versine, narrow, sine_i, into_i = _ends(facts, e, s0, motion)
+    s1 = motion.lag_rate * left + _shift(curve, base + met - left)
+    bend = 2.0 * s0 - s1
+    s2 = s1 if bend == 0.0 else s1 + (s1 - s0) * (s1 - s0) / bend
+    left, met, versine, narrow, sine_i, into_i = _ends(facts, e, s2, motion)
+    s3 = motion.lag_rate * left + _shift(curve, base + met - left)
+    steep = 0.0 if s2 == s0 else (s3 - s1) / (s2 - s0)
+    s = s2 + (s3 - s2) / (1.0 - steep)
+    left, met, versine, narrow, sine_i, into_i = _ends(facts, e, s, motion)
+    time = base + met - left
+    # Two successive steps whose ratio is small bound the contraction, and a residual below the
+    # error bounds the distance to the fixed point; else the sequence is unsure and solved by
+    # itself.
+    error = facts[ERROR * BLOCK + e]
+    sure = (
+        (abs(motion.lag_rate * left + _shift(curve, time) - s) <= error)
+        & (abs(s1 - s0) <= SURE * abs(s0) + error)
+        & narrow
+    )
+    there = sure & (laps.low <= time) & (time <= laps.high)
+    there = there & (left >= facts[EARLIEST * BLOCK + e])
+    unsure = (not sure) & (laps.low - BAND_S <= base) & (base <= laps.high + BAND_S)
+    return left, met, versine, sine_i, into_i, time, there, unsure
+
+
+@inlined
+def _keep(found, e, cost, there, unsure, k, left, met):
+    """Keep a sequence if it costs less than what is kept."""
+    cost = cost if there else math.inf
+    cost = -math.inf if unsure else cost
+    # Read whether or not they are kept: without a branch.
+    best, best_k = found[COST * BLOCK + e], found[REVOLUTIONS * BLOCK + e]
+    best_left, best_met = found[LEFT * BLOCK + e], found[MET * BLOCK + e]
+    better = cost < best
+    found[COST * BLOCK + e] = cost if better else best
+    found[REVOLUTIONS * BLOCK + e] = k if better else best_k
+    found[LEFT * BLOCK + e] = left if better else best_left
+    found[MET * BLOCK + e] = met if better else best_met
+
+
 @kernel
 def _lower(facts, curve, found, size, laps, motion):
     """Lower part of a row to costs of sequences with k revolutions; one loop that is vectorised."""
-    k, later, low, high = laps
-    lag_rate, sines, fixed = motion.lag_rate, motion.sines, motion.fixed
     for e in range(size):
-        base = facts[BASE * BLOCK + e] + later
-        # s = g(s): g(0), g there, on by Aitken's rule, and a step of the secant method.
-        s0 = _shift(curve, base)
-        left, met, versine, narrow = _ends(facts, e, s0, motion)
-        s1 = lag_rate * left + _shift(curve, base + met - left)
-        bend = 2.0 * s0 - s1
-        s2 = s1 if bend == 0.0 else s1 + (s1 - s0) * (s1 - s0) / bend
-        left, met, versine, narrow = _ends(facts, e, s2, motion)
-        s3 = lag_rate * left + _shift(curve, base + met - left)
-        steep = 0.0 if s2 == s0 else (s3 - s1) / (s2 - s0)
-        s = s2 + (s3 - s2) / (1.0 - steep)
-        left, met, versine, narrow = _ends(facts, e, s, motion)
-        time = base + met - left
-        shift = _shift(curve, time)
+        left, met, versine, _, _, time, there, unsure = _solved(facts, curve, e, laps, motion)
         climb = rest = chord = square = 0.0
         for n in range(NODES - 1, -1, -1):
             after = time - curve[n]
@@ -268,33 +330,30 @@ def _lower(facts, curve, found, size, laps, motion):
             rest = rest * after + curve[2 * NODES + n]
             chord = chord * after + curve[3 * NODES + n]
             square = square * after + curve[4 * NODES + n]
-        # Two successive steps whose ratio is small bound the contraction, and a residual below the
-        # error bounds the distance to the fixed point; else the sequence is unsure and solved by
-        # itself.
-        error = facts[ERROR * BLOCK + e]
-        sure = (
-            (abs(lag_rate * left + shift - s) <= error)
-            & (abs(s1 - s0) <= SURE * abs(s0) + error)
-            & narrow
-        )
-        turned = square * (facts[TURN * BLOCK + e] + sines * versine)
-        matching = facts[MATCHING * BLOCK + e] + left * (
-            facts[MATCHING_1 * BLOCK + e] + left * facts[MATCHING_2 * BLOCK + e]
-        )
+        turned = square * (facts[TURN * BLOCK + e] + motion.sines * versine)
+        matching = _parabola(facts, SHAPE, e, left)
         circles = abs(climb) + abs(rest) + math.sqrt(chord * chord + turned)
-        cost = max(circles, math.sqrt(max(matching, 0.0) + turned)) + fixed
-        there = sure & (low <= time) & (time <= high) & (left >= facts[EARLIEST * BLOCK + e])
-        cost = cost if there else math.inf
-        unsure = (not sure) & (low - BAND_S <= base) & (base <= high + BAND_S)
-        cost = -math.inf if unsure else cost
-        # Read whether or not they are kept: without a branch.
-        best, best_k = found[COST * BLOCK + e], found[REVOLUTIONS * BLOCK + e]
-        best_left, best_met = found[LEFT * BLOCK + e], found[MET * BLOCK + e]
-        better = cost < best
-        found[COST * BLOCK + e] = cost if better else best
-        found[REVOLUTIONS * BLOCK + e] = k if better else best_k
-        found[LEFT * BLOCK + e] = left if better else best_left
-        found[MET * BLOCK + e] = met if better else best_met
+        cost = max(circles, math.sqrt(max(matching, 0.0) + turned)) + motion.fixed
+        _keep(found, e, cost, there, unsure, laps.k, left, met)
+
+
+@kernel
+def _lower_free(facts, curve, found, size, laps, motion, price):
+    """The same by free burns."""
+    faces, speed, climb = price
+    for e in range(size):
+        left, met, versine, sine_i, into_i, time, there, unsure = _solved(
+            facts, curve, e, laps, motion
+        )
+        swing = 0.0
+        for n in range(NODES - 1, -1, -1):
+            swing = swing * (time - curve[n]) + curve[(1 + SWING) * NODES + n]
+        turn = facts[TURN * BLOCK + e] + motion.sines * versine
+        length = math.sqrt(sine_i * sine_i + into_i * into_i)
+        along, across = _parabola(facts, SHAPE, e, left), _parabola(facts, SHAPE + 3, e, left)
+        along, across = free_burns.turned(along, across, sine_i / length, into_i / length)
+        cost = free_burns.delta_v(faces, speed, climb, swing, along, across, max(turn, 0.0))
+        _keep(found, e, cost + motion.fixed, there, unsure, laps.k, left, met)
 
 
 @kernel
@@ -348,12 +407,14 @@ def lay_out(pair, grid, numbers, bases, rows):
             if begin < end:
                 # Whole vectors: the rest of a loop that is none would take as long as all of it.
                 begin = begin // LANES * LANES
-                _lower(
-                    grid.facts[begin:],
-                    grid.curves[k],
-                    grid.found[row, begin:],
-                    (end - begin + LANES - 1) // LANES * LANES,
-                    _Laps(float(k), row * lap, low, high),
-                    motion,
-                )
+                facts, found = grid.facts[begin:], grid.found[row, begin:]
+                whole = (end - begin + LANES - 1) // LANES * LANES
+                laps = _Laps(float(k), row * lap, low, high)
+                if pair.free_speed == 0.0:
+                    _lower(facts, grid.curves[k], found, whole, laps, motion)
+                else:
+                    price = _FreePrice(
+                        free_burns.faces_of(k), pair.free_speed, free_burns.climb(pair)
+                    )
+                    _lower_free(facts, grid.curves[k], found, whole, laps, motion, price)
             row += 1

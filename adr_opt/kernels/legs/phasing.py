@@ -15,7 +15,10 @@ import numpy as np
 
 from ..core.compile import inlined, kernel
 from ..orbits.ephemeris import planes_drift
-from . import co_elliptic, precession
+from . import co_elliptic, free_burns, precession
+
+SWING = 0
+"""Place of the swing (:mod:`.free_burns`) among the numbers of a pair whose burns are free."""
 
 NODES = 16
 """Number of interpolation nodes, a constant so that the compiler unrolls the loop over them."""
@@ -30,7 +33,7 @@ class Curves(NamedTuple):
         Flight times of the nodes [s].
     coefficients : (revolutions + 1, 5, nodes) float64
         Newton's divided differences of the four numbers, and of ε (:mod:`.precession`) under J2;
-        none where limits are wide.
+        none where limits are wide. Where burns are free the first number is the swing instead.
     """
 
     time: np.ndarray
@@ -75,7 +78,7 @@ def curves_of(pair, rule):
     if counts == 0:
         return Curves(time, coefficients)
     drifts = planes_drift(rule.oblateness)
-    parts = 5 if drifts else 4
+    parts, free = 5 if drifts else 4, pair.free_speed > 0.0
     flight, lap, radius = np.empty(NODES), np.empty(NODES), np.empty(NODES)
     direct, phased = np.empty((4, NODES)), np.empty((4, NODES))
     for n in range(NODES):
@@ -101,6 +104,8 @@ def curves_of(pair, rule):
             time[k, n] = flight[n] + k * lap[n]
             for part in range(4):
                 own[part, n] = values[part, n]
+            if free:
+                own[SWING, n] = free_burns.swing(pair, k, time[k, n])
             own[4, n] = precession.carried(pair, rule, k, radius[n], time[k, n]) if drifts else 0.0
         # Newton's divided differences, in place. The flight time rises with the radius, so that
         # nodes are distinct; with Leja's order the products stay of one size, and no digits are
@@ -126,6 +131,14 @@ def parts_at(curves, k, time):
         square = square * after + own[3, n]
         shift = shift * after + own[4, n]
     return climb, rest, chord, square, shift
+
+
+class Flights(NamedTuple):
+    """Flights that leave half a revolution apart: the first departure [s], times [s], how many."""
+
+    departure: float
+    times: np.ndarray
+    size: int
 
 
 class _Laps(NamedTuple):
@@ -164,8 +177,37 @@ def _lower(times, size, laps, nodes, coefficients, price, cost, revolutions):
         revolutions[t] = k if better else revolutions[t]
 
 
+class _FreePrice(NamedTuple):
+    """Terms that turn the swing into a ΔV, as :func:`.free_burns.delta_v` takes them; approach."""
+
+    faces: free_burns.Faces
+    speed: float
+    climb: float
+    along: float
+    across: float
+    turn: float
+    fixed: float
+
+
 @kernel
-def lower(pair, rule, curves, k, times, size, cost, revolutions):
+def _lower_free(times, size, laps, nodes, coefficients, price, cost, revolutions):
+    """The same by free burns, of events half a revolution apart: Δe changes sign with each."""
+    k, low, high = laps
+    faces, speed, climb, along, across, turn, fixed = price
+    for t in range(size):
+        time, swing, sign = times[t], 0.0, 1.0 - 2.0 * (t & 1)
+        for n in range(NODES - 1, -1, -1):
+            swing = swing * (time - nodes[n]) + coefficients[SWING, n]
+        found = fixed + free_burns.delta_v(
+            faces, speed, climb, swing, sign * along, sign * across, turn
+        )
+        better = (low <= time) & (time <= high) & (found < cost[t])
+        cost[t] = found if better else cost[t]
+        revolutions[t] = k if better else revolutions[t]
+
+
+@kernel
+def lower(pair, rule, curves, k, flights, cost, revolutions):
     """Lower costs at flight times to those of sequences with k revolutions, if less.
 
     Parameters
@@ -175,17 +217,37 @@ def lower(pair, rule, curves, k, times, size, cost, revolutions):
     curves : Curves
     k : int
         Phasing revolutions.
-    times : (times,) float64
-        Flight times [s].
-    size : int
-        How many of them.
+    flights : Flights
     cost : (times,) float64
         Least ΔV so far, +inf for none [m/s]; written.
     revolutions : (times,) int64
         With how many revolutions; written.
     """
+    departure, times, size = flights
     low = pair.shortest + k * pair.shortest_lap
     high = pair.longest + k * pair.longest_lap
+    if curves.time.shape[0] > 0 and pair.free_speed > 0.0:
+        latitude = co_elliptic.latitude_of_i(pair, departure)
+        along, across = free_burns.shape(pair, departure, latitude)
+        _lower_free(
+            times,
+            size,
+            _Laps(k, low, high),
+            curves.time[k],
+            curves.coefficients[k],
+            _FreePrice(
+                free_burns.faces_of(k),
+                pair.free_speed,
+                free_burns.climb(pair),
+                along,
+                across,
+                pair.turn,
+                pair.fixed_delta_v,
+            ),
+            cost,
+            revolutions,
+        )
+        return
     if curves.time.shape[0] > 0:
         price = _Price(pair.turn, pair.matching, pair.fixed_delta_v)
         _lower(
@@ -202,6 +264,7 @@ def lower(pair, rule, curves, k, times, size, cost, revolutions):
     for t in range(size):
         if low <= times[t] <= high:
             r = co_elliptic.phasing_radius(pair, rule, k, times[t])
-            found = co_elliptic.sequence_delta_v(pair, rule, k, r)
+            leaves = departure + t * math.pi / pair.rate_i
+            found = co_elliptic.leg_delta_v(pair, rule, k, r, leaves, times[t], pair.turn)
             if found < cost[t]:
                 cost[t], revolutions[t] = found, k

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 from ...common.constants import SLACK_S, TURN_RAD
 from ..core.compile import inlined, kernel
-from ..orbits import eccentricity, ephemeris
+from ..orbits import ephemeris
 from . import co_elliptic
 
 MOST_STEPS = 8
@@ -221,9 +221,7 @@ def fixed_point(pair, rule, half_turns, revolutions, departure, stand_off, alpha
         stand_off,
         r,
         turn,
-        co_elliptic.turned_delta_v(
-            pair, rule, revolutions, r, turn, eccentricity.matching(pair, departure)
-        ),
+        co_elliptic.leg_delta_v(pair, rule, revolutions, r, departure, time, turn),
         steps,
     )
 

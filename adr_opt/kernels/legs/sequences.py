@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ...common.constants import SLACK_M_S, TURN_RAD
 from ..core.compile import kernel
-from .co_elliptic import phasing_radius, sequence_delta_v
+from .co_elliptic import leg_delta_v, phasing_radius
 from .zones import is_blocked
 
 
@@ -34,7 +34,7 @@ def best_sequence(pair, rule, departure, lead, earliest, latest, most=math.inf):
     pair : Pair
     rule : TransferRule
     departure : float
-        Time of the departure event; only keep-out zones depend on it [s].
+        Time of the departure event [s].
     lead : float
         Δ, the target's lead over the chaser at departure, in [0, 2π) [rad].
     earliest, latest : float
@@ -66,7 +66,7 @@ def best_sequence(pair, rule, departure, lead, earliest, latest, most=math.inf):
         k = max(0, math.ceil((time - pair.longest) / pair.longest_lap))
         while k <= k_max and pair.shortest + k * pair.shortest_lap <= time:
             r = phasing_radius(pair, rule, k, time)
-            delta_v = sequence_delta_v(pair, rule, k, r)
+            delta_v = leg_delta_v(pair, rule, k, r, departure, time, pair.turn)
             cost = delta_v + worth
             if cost < best_cost - SLACK_M_S and not (
                 rule.zones.shape[0] > 0 and is_blocked(pair, rule, k, r, departure)

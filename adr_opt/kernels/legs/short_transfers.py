@@ -21,7 +21,7 @@ from ...common.constants import SLACK_S, TURN_RAD
 from ..core.compile import kernel
 from ..core.memory import borrowed
 from ..orbits import eccentricity
-from . import co_elliptic, fixed_points, phasing, precession, zones
+from . import co_elliptic, fixed_points, free_burns, phasing, precession, zones
 from .departure_events import events_of, least_speed, listed_at
 from .fixed_points import BAND_S, BLOCK, COST, FLAT_RAD, LEFT, MET, REVOLUTIONS
 
@@ -159,7 +159,7 @@ def _settled(pair, rule, curves, half_turns, number, met, below):
     turn_i, turn_j = precession.turning(pair, lag, alpha_i, alpha_j)
     sines = 4.0 * math.sin(pair.inclination_i) * math.sin(pair.inclination_j)
     tilt = 4.0 * math.sin(0.5 * (pair.inclination_j - pair.inclination_i)) ** 2
-    matching = eccentricity.matching(pair, event)
+    matching = 0.0 if pair.free_speed > 0.0 else eccentricity.matching(pair, event)
     moves = turn_j / pair.rate_j - turn_i / pair.rate_i
     base = met - event
     best, best_k, best_d, best_a = math.inf, -1, 0.0, 0.0
@@ -174,7 +174,10 @@ def _settled(pair, rule, curves, half_turns, number, met, below):
             time = base + moves * shift
             climb, rest, chord, square, shift = phasing.parts_at(curves, k, time)
             angle = tilt + sines * math.sin(0.5 * (lag + shift)) ** 2
-            estimate = co_elliptic.whole(climb, rest, chord, square * angle, matching)
+            if pair.free_speed > 0.0:
+                estimate = free_burns.least(pair, k, time, angle)
+            else:
+                estimate = co_elliptic.whole(climb, rest, chord, square * angle, matching)
             # The estimate errs by less than what is taken off, so that no cheaper sequence is left
             # out.
             estimate += pair.fixed_delta_v

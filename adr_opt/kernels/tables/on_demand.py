@@ -21,7 +21,7 @@ from ...common.constants import DAY_S, TURN_RAD
 from ..core.compile import kernel
 from ..core.events import earliest_taken, first_counted
 from ..core.windows import service_begin
-from ..legs import co_elliptic, precession, sequences, zones
+from ..legs import co_elliptic, free_burns, precession, sequences, zones
 from ..legs.departure_events import least_speed, listed_at
 from ..legs.fixed_points import BAND_S
 from ..orbits.ephemeris import EPOCH_S, revolution_at
@@ -247,8 +247,11 @@ def _cheapest_met(source, pair, j, event, met, earliest, best):
             break
         if pair.longest + k * pair.longest_lap < time - BAND_S:
             continue
-        r = co_elliptic.phasing_radius(pair, rule, k, time)
-        seems = co_elliptic.turned_delta_v(pair, rule, k, r, turn, 0.0)
+        if pair.free_speed > 0.0:
+            seems = free_burns.least(pair, k, time, turn)
+        else:
+            r = co_elliptic.phasing_radius(pair, rule, k, time)
+            seems = co_elliptic.turned_delta_v(pair, rule, k, r, turn, 0.0)
         least = (1.0 - TURNED) * seems - TURNED_M_S
         if least > source.most or least + rule.time_value * service_begin(met, opens) > best_cost:
             continue

@@ -25,7 +25,7 @@ from ...problem.instance import Instance
 from ...problem.least_time import too_short
 from ...problem.orbit import Orbit
 from ...problem.settings import MissionSettings, TransferSettings
-from ...problem.transfer_sizes import transfers_for
+from ...problem.transfer_sizes import burns_for, transfers_for
 from .crew import Crew
 from .demands import Demands, check_musts, filled, targets_of, told_left_out, told_masses
 from .drag import drag_warning, end_windows
@@ -77,7 +77,7 @@ class MissionOutline:
     epoch: datetime | None = None
     duration_s: float = 7.0 * DAY_S
     dynamics: Literal["two-body", "j2"] = "j2"
-    transfer: TransferSettings | Mapping[str, float | None] | None = None
+    transfer: TransferSettings | Mapping[str, float | str | None] | None = None
     refuelling: bool = True
 
     def __post_init__(self) -> None:
@@ -90,12 +90,14 @@ class MissionOutline:
         wanted = self.transfer
         if isinstance(wanted, TransferSettings):
             return wanted
-        given = {name: value for name, value in (wanted or {}).items() if value is not None}
-        approach = given.pop("approach", "half-lap")
+        given: dict[str, Any] = {
+            name: value for name, value in (wanted or {}).items() if value is not None
+        }
+        burns, approach = given.pop("burns", burns_for(orbits)), given.pop("approach", "half-lap")
         made = TransferSettings().replace(**given)
         if self.dynamics == "j2":
             made = transfers_for(self.duration_s, orbits=orbits, **given)
-        return made.replace(approach=approach)
+        return made.replace(burns=burns, approach=approach)
 
 
 A_WEEK = MissionOutline()

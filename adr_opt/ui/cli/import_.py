@@ -121,6 +121,11 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 )
 @param.number("--departure-spacing-days", "D", "Least time between departures.")
 @param.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
+@click.option(
+    "--burns",
+    type=click.Choice(["sequence", "free"]),
+    help="Burns that short legs are priced by; by default free if any orbit is eccentric.",
+)
 @param.approach
 @param.flag("--only-prized", "Only objects with a row in --prizes.")
 @param.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
@@ -151,6 +156,7 @@ def command(
     max_drift_days: float | None,
     departure_spacing_days: float | None,
     resolution: float | None,
+    burns: Literal["sequence", "free"] | None,
     approach: ApproachName | None,
     only_prized: bool,
     criticality: bool,
@@ -197,6 +203,7 @@ def command(
         max_drift_days,
         departure_spacing_days,
         resolution,
+        burns,
         approach,
     ).outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by)
     with naming_options(), busy_bar(wanted(as_json, quiet), "reading objects"):

@@ -197,8 +197,10 @@ def _of_chaser(instance: Instance, flown: Flown) -> Budget:
     for number, leg in flown.legs:
         after_leg = left - leg.delta_v_m_s
         share, burned = 1.0, leg.burns_delta_v_m_s
-        if leg.traits.on_time_grid and burned > 0.0:
-            share = (leg.delta_v_m_s - leg.eccentricity_delta_v_m_s) / burned
+        aside = leg.eccentricity_delta_v_m_s
+        # Free burns take less than those that are planned between circles.
+        if (leg.traits.on_time_grid or aside < 0.0) and burned > 0.0:
+            share = (leg.delta_v_m_s - max(aside, 0.0)) / burned
         for burn in leg.burns[:-1]:
             left -= share * burn.size_m_s
             rows.append((burn.time_s, left, number, False))

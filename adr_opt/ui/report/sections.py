@@ -201,7 +201,9 @@ def costs_note(plan: Plan, refined: RefinedPlan | None) -> str:
     said = "What the plan counts with, and what the burns of the leg add up to"
     if any(leg.traits.on_time_grid for leg in plan.legs):
         said += "; of a leg that drifts the first comes from a closed form"
-    if any(leg.eccentricity_delta_v_m_s > 0.0 for leg in plan.legs):
+    if any(leg.eccentricity_delta_v_m_s < 0.0 for leg in plan.legs):
+        said += "; the first is the price of free burns, which may be less"
+    elif any(leg.eccentricity_delta_v_m_s > 0.0 for leg in plan.legs):
         said += "; matching eccentricities is counted and has no burn"
     if refined is not None and refined.ephemerides is not None:
         said += "; what these burns come to when they lead to where ephemerides have the bodies"
