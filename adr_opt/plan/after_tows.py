@@ -93,7 +93,7 @@ class Pieced(NamedTuple):
         row: FloatArray = as_left(np.array([made]))[0]
         return row
 
-    def between(self, spacing_s: float, until_s: float) -> Pieces:
+    def spaced(self, spacing_s: float, until_s: float) -> Pieces:
         """Pieces up to a time, of which each begins at least a spacing after the one before [s]."""
         assert self.tow.apogees is not None
         period_s, lap = self.tow.apogees.period_s, 0

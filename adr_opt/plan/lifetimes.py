@@ -11,7 +11,8 @@ import numpy as np
 
 from ..common.constants import EARTH_RADIUS_M
 from ..problem.air import lifetimes
-from ..problem.bodies import DisposalCircle, Target
+from ..problem.bodies import Target
+from ..problem.disposal import DisposalCircle
 from ..problem.drives import Drive
 from ..problem.instance import Instance
 from .tows import removals_of

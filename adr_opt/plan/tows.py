@@ -35,7 +35,8 @@ from ..common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ..kernels.legs.burns import half_ellipse_speeds
 from ..kernels.orbits import ephemeris
 from ..kernels.orbits.ephemeris import EPOCH_S
-from ..problem.bodies import Disposal, DisposalCircle, DisposalPerigee, Target
+from ..problem.bodies import Target
+from ..problem.disposal import Disposal, DisposalCircle, DisposalPerigee
 from ..problem.drives import Drive
 from ..problem.instance import Instance
 from .planes import Arcs, Plane, ahead, outward

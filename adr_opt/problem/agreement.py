@@ -9,8 +9,9 @@ from ..common.constants import EARTH_RADIUS_M
 from ..common.tolerance import common_step
 from ..kernels.legs.free_burns import MOST_REVOLUTIONS
 from .approach import approach_of
-from .bodies import DisposalCircle, Station, Target
+from .bodies import Station, Target
 from .chasers import AtStation, Chaser, InOrbit, TankByMass
+from .disposal import DisposalCircle
 from .settings import MissionSettings, Objective, TransferSettings
 
 

@@ -13,24 +13,14 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
-    Discriminator,
     Field,
     SerializerFunctionWrapHandler,
-    Tag,
     model_serializer,
     model_validator,
 )
 
-from ..common.records import (
-    LARGEST_MASS_KG,
-    Count,
-    Length,
-    Name,
-    Record,
-    Window,
-    check_window,
-    without,
-)
+from ..common.records import LARGEST_MASS_KG, Count, Name, Record, Window, check_window, without
+from .disposal import Disposal
 from .orbit import Decay, Fit, Orbit
 
 
@@ -133,34 +123,6 @@ ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)
 """Object identifier as in messages: printable ASCII, mostly like ``1997-051C``."""
 
 Removal = Literal["visit", "kit", "tow"]
-
-
-class DisposalCircle(Record):
-    """A disposal orbit: the circle of an altitude."""
-
-    circle_m: Length
-
-
-class DisposalPerigee(Record):
-    """A disposal orbit: the perigee is lowered to an altitude, and the apogee stays."""
-
-    perigee_m: Length
-
-
-def _kind_of_disposal(given: Any) -> str | None:
-    stated = set(given) if isinstance(given, dict) else set(getattr(given, "model_fields_set", ()))
-    return {("circle_m",): "(circle)", ("perigee_m",): "(perigee)"}.get(tuple(sorted(stated)))
-
-
-Disposal = Annotated[
-    Annotated[DisposalCircle, Tag("(circle)")] | Annotated[DisposalPerigee, Tag("(perigee)")],
-    Discriminator(
-        _kind_of_disposal,
-        custom_error_type="disposal",
-        custom_error_message='must be {"circle_m": ALTITUDE} or {"perigee_m": ALTITUDE}',
-    ),
-]
-"""Where a towed object is released."""
 
 
 class Station(Record):

@@ -32,8 +32,9 @@ from .agreement import (
     check_stations,
     check_thrust,
 )
-from .bodies import Disposal, DisposalCircle, Station, Target
+from .bodies import Station, Target
 from .chasers import Chaser, TankByMass
+from .disposal import Disposal, DisposalCircle
 from .ephemerides import EphemeridesFile
 from .frame import Epoch, Frame
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings

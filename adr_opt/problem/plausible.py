@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 from ..common.constants import DAY_S, EARTH_RADIUS_M, HOUR_S
-from .bodies import DisposalCircle
 from .chasers import InOrbit, TankByMass
+from .disposal import DisposalCircle
 from .instance import Instance
 
 HEAVY_KG = 10_000.0

@@ -21,7 +21,7 @@ from ..common.records import (
     without,
     without_usual,
 )
-from .bodies import Disposal
+from .disposal import Disposal
 
 SPENT_BY_DRIFTING, REFUELLED = 0.8, 3.0
 """Value of an hour where planes drift, as a multiple of a tank over the mission; the second

@@ -9,8 +9,8 @@ from ..common.constants import DAY_S
 from ..common.errors import InputError
 
 if TYPE_CHECKING:
-    from ..problem.bodies import Disposal
     from ..problem.chasers import AnyTank, Expense
+    from ..problem.disposal import Disposal
     from .catalogue import Crew, Demands
 
 
@@ -29,7 +29,7 @@ class Fitting(NamedTuple):
     @property
     def disposal(self) -> Disposal | None:
         """The disposal orbit."""
-        from ..problem.bodies import DisposalCircle
+        from ..problem.disposal import DisposalCircle
 
         altitude = self.disposal_altitude
         return None if altitude is None else DisposalCircle(circle_m=1e3 * altitude)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from adr_opt.learning.environment.fields import FIRST_SEED, LAST_SEED, VARIED
-from adr_opt.problem.bodies import DisposalCircle
 from adr_opt.problem.chasers import TankByMass
+from adr_opt.problem.disposal import DisposalCircle
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.sources.generator import generate

@@ -21,8 +21,8 @@ import adr_opt
 from adr_opt.common.files import write_text
 from adr_opt.mission.result import Result
 from adr_opt.plan.routes import routes_of
-from adr_opt.problem.bodies import DisposalCircle
 from adr_opt.problem.chasers import TankByMass
+from adr_opt.problem.disposal import DisposalCircle
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import TransferSettings
 from adr_opt.sources import catalogue

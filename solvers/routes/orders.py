@@ -41,7 +41,7 @@ class Order(NamedTuple):
     visited: np.ndarray
 
 
-class Terms(NamedTuple):
+class EngineTerms(NamedTuple):
     """What routes may be and what they are worth.
 
     Attributes
@@ -166,7 +166,7 @@ def best_position(ways, terms, order, length, j, by_slack, passed_over, rng):
     Parameters
     ----------
     ways : Ways
-    terms : Terms
+    terms : EngineTerms
     order : Order
     length : int
         Number of stops.

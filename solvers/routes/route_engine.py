@@ -16,7 +16,7 @@ from adr_opt.common.stop import Stop
 from adr_opt.mission.problem import Problem, Routes
 
 from ..progress.halting import halted_by
-from .orders import Terms
+from .orders import EngineTerms
 from .ruin_recreate import Cooling, anneal
 from .ways import ways_of
 
@@ -78,7 +78,7 @@ class RouteEngine:
         missions = problem.missions
         tanks = [mission.chaser.tank for mission in missions]
         reserves = [mission.reserve_m_s for mission in missions]
-        self._terms = Terms(
+        self._terms = EngineTerms(
             prizes,
             np.array(
                 [

@@ -304,7 +304,7 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):  # noq
     Parameters
     ----------
     ways : Ways
-    terms : Terms
+    terms : EngineTerms
     nodes : (targets + 2 chasers,) int64
         As of an :class:`.orders.Order`, which need not be possible. Left as the last one accepted.
     length : int

@@ -30,7 +30,6 @@ IntArray = npt.NDArray[np.int64]
 
 FOLLOWS = (FIRST - {"prizes that fall"}) | {
     "several chasers",
-    "visits between refuellings",
     "functions of time",
     "functions of time for several chasers",
 }

@@ -13,7 +13,7 @@ from conftest import Cli
 from serve_catalogue import catalogue
 
 import adr_opt
-from adr_opt.analysis.screening import Approach, screen
+from adr_opt.analysis.screening import CloseApproach, screen
 from adr_opt.analysis.screening.flown import FlownArc, flown_arcs
 from adr_opt.common.errors import InputError
 from adr_opt.plan.refined_plan import RefinedPlan
@@ -165,7 +165,7 @@ def test_the_verb_writes_all_approaches(cli: Cli, refined: tuple[Instance, Refin
         rows = list(csv.DictReader(file))
     assert [row["epoch"] for row in rows] == [each["epoch"] for each in said["approaches"]]
     assert said["objects"] == 40
-    assert set(rows[0]) == set(Approach.__dataclass_fields__)
+    assert set(rows[0]) == set(CloseApproach.__dataclass_fields__)
     told = cli(*call)
     assert "nearest approaches" in told.out
 

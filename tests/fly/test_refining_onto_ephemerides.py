@@ -37,8 +37,8 @@ from adr_opt.judge.refined import check_refined
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import Missing, RefinedPlan
-from adr_opt.problem.bodies import DisposalCircle
 from adr_opt.problem.chasers import TankByMass
+from adr_opt.problem.disposal import DisposalCircle
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.frame_rotation import from_gcrf, teme_axes
 from adr_opt.problem.instance import Instance

@@ -10,8 +10,9 @@ from plain_rules import Place, Tank, Tow, World
 
 from adr_opt.common.constants import SLACK_M_S
 from adr_opt.mission.mission import Mission
-from adr_opt.problem.bodies import DisposalCircle, Target
+from adr_opt.problem.bodies import Target
 from adr_opt.problem.chasers import Chaser, Expense, TankByMass
+from adr_opt.problem.disposal import DisposalCircle
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.orbit import Orbit
 

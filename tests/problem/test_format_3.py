@@ -12,7 +12,7 @@ from every_record import PLACES, rich
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.problem.bodies import DisposalCircle, DisposalPerigee
+from adr_opt.problem.disposal import DisposalCircle, DisposalPerigee
 from adr_opt.problem.format_2 import FORMAT, FORMER, written
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import TransferSettings

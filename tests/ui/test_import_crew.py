@@ -11,8 +11,8 @@ from catalogue_files import field
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.plan.cargo import loads_of
-from adr_opt.problem.bodies import DisposalCircle
 from adr_opt.problem.chasers import Expense, Tank, TankByMass
+from adr_opt.problem.disposal import DisposalCircle
 from adr_opt.sources import catalogue
 
 pytest.importorskip("sgp4.io")

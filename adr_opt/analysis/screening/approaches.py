@@ -55,7 +55,7 @@ PRECISION_S = 1e-4
 
 
 @dataclass(frozen=True)
-class Approach:
+class CloseApproach:
     """A least distance between a chaser and an object.
 
     Attributes
@@ -152,7 +152,7 @@ def screen(
     records: Sequence[ElementSet],
     *,
     distance_m: float = DISTANCE_M,
-) -> tuple[Approach, ...]:
+) -> tuple[CloseApproach, ...]:
     """All approaches of some objects to a refined plan, by time.
 
     Parameters
@@ -166,7 +166,7 @@ def screen(
 
     Returns
     -------
-    tuple of Approach
+    tuple of CloseApproach
 
     Raises
     ------
@@ -285,7 +285,7 @@ def _approach(
     row: int,
     time_s: float,
     ids: dict[str, str | None],
-) -> Approach:
+) -> CloseApproach:
     record, mine = objects.records[row], arc.at(np.array([time_s]))[0]
     apart = objects.state(row, time_s) - mine
     radial = mine[:3] / np.linalg.norm(mine[:3])
@@ -294,7 +294,7 @@ def _approach(
     along = np.cross(cross, radial)
     now = instance.epoch + timedelta(seconds=time_s)
     known = {ids.get(body) for body in arc.beside} - {None}
-    return Approach(
+    return CloseApproach(
         time_s=time_s,
         epoch=now.isoformat(timespec="milliseconds").replace("+00:00", "Z"),
         chaser=arc.chaser,
@@ -312,10 +312,10 @@ def _approach(
     )
 
 
-def approaches_csv(approaches: Iterable[Approach]) -> str:
+def approaches_csv(approaches: Iterable[CloseApproach]) -> str:
     """Approaches as the text of a CSV file, a row for each."""
     text = io.StringIO()
-    rows = csv.DictWriter(text, [each.name for each in fields(Approach)], lineterminator="\n")
+    rows = csv.DictWriter(text, [each.name for each in fields(CloseApproach)], lineterminator="\n")
     rows.writeheader()
     rows.writerows(each.to_dict() for each in approaches)
     return text.getvalue()

@@ -19,7 +19,7 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits.short_periods import Array
 from ...plan.plan import Burn
 from ...plan.refined_plan import RefinedBurn, RefinedTow
-from ...problem.bodies import DisposalPerigee
+from ...problem.disposal import DisposalPerigee
 from ...problem.instance import Instance
 from .bodies import Gravity, moved, recorded
 

@@ -11,7 +11,8 @@ import numpy.typing as npt
 from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits import ephemeris
 from ...kernels.orbits.body_rows import as_left, with_orbit
-from ...problem.bodies import Disposal, DisposalCircle, DisposalPerigee, Target
+from ...problem.bodies import Target
+from ...problem.disposal import Disposal, DisposalCircle, DisposalPerigee
 from ...problem.drives import Drive
 from ...problem.instance import Instance
 

@@ -14,8 +14,9 @@ from ...common.errors import InputError
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState, RefinedTow
 from ...problem.approach import approach_of
-from ...problem.bodies import DisposalPerigee, Target
+from ...problem.bodies import Target
 from ...problem.chasers import Chaser
+from ...problem.disposal import DisposalPerigee
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.altitude import Heights

@@ -13,7 +13,7 @@ from ..core.lists import chosen, filled, ranks, rising, wider
 from ..orbits.ephemeris import EPOCH_S
 from . import co_elliptic, drift_grid, phasing
 from .found import DRIFT, SHORT, ConnectionArrays
-from .short_transfers import Piece, short
+from .short_transfers import DeparturePiece, short
 
 
 @kernel
@@ -105,7 +105,7 @@ def short_ones(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolutio
     ConnectionArrays
     """
     pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, EPOCH_S)
-    piece = Piece(0.0, math.inf, times.leave_by)
+    piece = DeparturePiece(0.0, math.inf, times.leave_by)
     curves = phasing.curves_of(pair, rule)
     found, order = short(
         pair, rule, curves, duration, times.interval, times.most, piece, resolution
@@ -147,7 +147,7 @@ def short_ones_of_pieces(pieces, orbit_j, extra_delta_v, rule, times, duration, 
         pair = co_elliptic.prepare(pieces.rows[number], orbit_j, extra_delta_v, rule, EPOCH_S)
         if number == 0:
             curves = phasing.curves_of(pair, rule)
-        piece = Piece(pieces.since[number], pieces.until[number], times.leave_by)
+        piece = DeparturePiece(pieces.since[number], pieces.until[number], times.leave_by)
         found, order = short(
             pair, rule, curves, duration, times.interval, times.most, piece, resolution
         )

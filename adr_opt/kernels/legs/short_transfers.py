@@ -87,7 +87,7 @@ class _Sifted(NamedTuple):
     shorts: Shorts
 
 
-class Piece(NamedTuple):
+class DeparturePiece(NamedTuple):
     """Times within which short transfers leave: none before ``since`` or after ``until`` [s].
 
     Those of events after ``leave_by`` are left out as well.
@@ -304,7 +304,7 @@ def short(pair, rule, curves, duration, spacing, most, piece, resolution):
         Between departure events, at least [s].
     most : float
         Dearer ones are left out [m/s].
-    piece : Piece
+    piece : DeparturePiece
     resolution : float
         A transfer that saves no more than this is dominated [m/s].
 

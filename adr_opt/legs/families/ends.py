@@ -225,7 +225,7 @@ class AllEnds:
             interval_s, step_s, longest_s, *_ = self.times
             until_s = self.latest_s if longest_s > 0.0 else 0.0
             for body, pieced in pieced_of(instance, removals_of(instance, drive)).items():
-                pieces = pieced.between(interval_s, self.latest_s)
+                pieces = pieced.spaced(interval_s, self.latest_s)
                 self.pieced[body] = PiecedEnd(pieced, pieces, pieced.on_grid(step_s, until_s))
 
     def of(self, i: int, j: int) -> PairEnds:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
-from ...problem.bodies import Disposal, Removal
+from ...problem.bodies import Removal
 from ...problem.chasers import (
     AnyTank,
     AtStation,
@@ -23,6 +23,7 @@ from ...problem.chasers import (
     TankByMass,
     free_name,
 )
+from ...problem.disposal import Disposal
 from ...problem.settings import Objective
 
 APART_S = 365.0 * DAY_S

@@ -8,8 +8,8 @@ from typing import Literal
 
 from ...common.constants import DAY_S, HOUR_S
 from ...common.errors import InputError
-from ...problem.bodies import DisposalCircle
 from ...problem.chasers import Chaser
+from ...problem.disposal import DisposalCircle
 from ...problem.orbit import Orbit
 from ...problem.settings import TransferSettings
 from . import belt, clouds, rocket_bodies

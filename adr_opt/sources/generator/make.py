@@ -9,8 +9,9 @@ from typing import Any
 
 from ...common.constants import HOUR_S
 from ...common.errors import InputError
-from ...problem.bodies import Disposal, Station, Target
+from ...problem.bodies import Station, Target
 from ...problem.chasers import AnyTank, AtStation, Chaser, InOrbit, Start, Tank
+from ...problem.disposal import Disposal
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ...problem.settings import ApproachName, KeepOutZone, MissionSettings, TransferSettings

@@ -15,8 +15,8 @@ from ...plan.plan import Plan
 from ...plan.plan_flight import PlanFlight
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
-from ...problem.bodies import DisposalCircle
 from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
+from ...problem.disposal import DisposalCircle
 from ...problem.instance import Instance
 from ..plot.budget import has_burns
 from . import tables
