@@ -380,7 +380,6 @@ TOURS = frozenset({"longest leg", "missions apart"})
 TOGETHER = frozenset(
     {
         "rules of tours beyond tours",
-        "functions of time for several chasers",
         "functions of time beyond chasers without cargo",
         "prizes that fall beyond lists of connections",
     }
@@ -400,7 +399,7 @@ JUDGED = (
     | TOGETHER
     | RELEASES
     | MODELLED
-    | {"functions of time", "visits between refuellings"}
+    | {"functions of time", "functions of time for several chasers", "visits between refuellings"}
 )
 """What both judges state once more, and all follow that make, hold, compare and show what planners
 are told and plan: a rule comes in here by hand, with its judges."""

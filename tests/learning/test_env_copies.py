@@ -244,6 +244,6 @@ def test_gymnasium_finds_it_by_its_module() -> None:
 
 
 def test_an_instance_is_loaded_from_a_dictionary() -> None:
-    """`load` takes the content of a file of either format as a dictionary, `Instance` its fields."""
+    """`load` takes the content of a file as a dictionary, and `Instance` its fields."""
     content = json.loads(tiny().to_json())
     assert adr_opt.load(content) == adr_opt.Instance(**tiny().model_dump()) == tiny()
