@@ -231,7 +231,13 @@ UNJUDGED = "unjudged"
 
 FOLLOWS = Follower(
     "check of refined plans",
-    FIRST | CAMPAIGNS | MODELLED | TOURS | TOGETHER | RELEASES | {"functions of time"},
+    FIRST
+    | CAMPAIGNS
+    | MODELLED
+    | TOURS
+    | TOGETHER
+    | RELEASES
+    | {"functions of time", "functions of time for several chasers"},
 )
 
 
