@@ -1,8 +1,8 @@
 """Check whether walks of a large field collect the stated amount, in time steps, body by body.
 
-Where there are too many legs for labels (:mod:`.walks`) the pass backwards in time that labels look
-ahead by (:mod:`.ahead`) is all there is. It is coarser than walks are, always so that they may do
-more: times are in *steps* of one length, ΔV in *slots*, and a walk remembers where it comes from
+Where there are too many legs for labels (:mod:`.walks`) a pass backwards in time, as they look
+ahead by (:mod:`.completion`), is all there is. It is coarser than walks are, always so that they
+may do more. Times are in *steps* of one length, ΔV in *slots*; a walk remembers where it is from
 and nothing else. So amounts that it excludes are never collected.
 
 A leg is four whole numbers in one, and each body's legs are worked out, counted and packed before
@@ -26,9 +26,9 @@ import numpy.typing as npt
 from ...common.constants import SLACK_S
 from ...common.errors import InputError
 from ...common.memory import available_bytes
-from ...kernels.core.compile import kernel
+from ...kernels.core.compile import inlined, kernel
 from ...legs.connection_finder import ConnectionFinder
-from .ahead import SLOT_SLACK, Onward, Packing, put, slots_in
+from .completion import SLOT_SLACK
 from .terms import Terms, flown_from
 
 DEPARTURE, DESTINATION, AHEAD, FIELD = 48, 32, 16, 0xFFFF
@@ -39,6 +39,70 @@ MOST = 2**15 - 2
 
 MEMORY_SHARE = 0.8
 """Share of free memory that legs and values may take."""
+
+
+class Onward(NamedTuple):
+    """One leg as applied to the values of its origin.
+
+    Attributes
+    ----------
+    cost : int
+        [slots].
+    top : int
+        Slot of the tank that is filled where it lands; −1 at a target.
+    code : int
+        What the destination gives, packed with it.
+    came_from : int
+        Body that the walk leaves, to which it does not go straight back.
+    """
+
+    cost: int
+    top: int
+    code: int
+    came_from: np.int32
+
+
+class Packing(NamedTuple):
+    """Number of bits for the next body in a packed value, and the value of infeasible states."""
+
+    mask: np.int32
+    never: np.int32
+
+
+@inlined
+def _slots_in(delta_v, slot):
+    """Number of slots of ΔV in a tank with a given remainder."""
+    return int(delta_v / slot + SLOT_SLACK)
+
+
+@kernel
+def _put(own, other, landed, landed_second, leg, packing):
+    """Improve the values of a body and step by one leg.
+
+    Parameters
+    ----------
+    own, other : (slots,) int32
+        Best and second best; updated.
+    landed, landed_second : (slots,) int32
+        Those where the leg lands.
+    leg : Onward
+    packing : Packing
+    """
+    cost, top, code, came_from = leg
+    mask, never = packing
+    for c in range(cost, own.size):
+        at = c - cost if top < 0 else top
+        value = landed[at]
+        if value & mask == came_from:
+            value = landed_second[at]
+        value = (value & ~mask) + code
+        best = own[c]
+        loser = min(best, value)
+        best = max(best, value)
+        own[c] = best
+        if (best ^ loser) & mask == 0:
+            loser = never
+        other[c] = max(other[c], loser)
 
 
 class Counting(NamedTuple):
@@ -183,7 +247,7 @@ def _sweep(legs, behind, i, came_from, terms, values, high, low):
             landed, landed_second = best[j, lands], second[j, lands]
             if top >= 0:
                 full = top if is_station[j] else -1
-                put(
+                _put(
                     own,
                     other,
                     landed,
@@ -192,7 +256,7 @@ def _sweep(legs, behind, i, came_from, terms, values, high, low):
                     packing,
                 )
             else:
-                put(
+                _put(
                     own,
                     other,
                     landed,
@@ -237,7 +301,7 @@ def most_in_steps(
         there is, or services change what is left of a tank and ΔV is looked at all the same.
     """
     steps = math.floor(max(terms.last, 0.0) / length_s) + 2
-    slots = slots_in(float(terms.cargo.full[0]), slot_m_s) + 1
+    slots = _slots_in(float(terms.cargo.full[0]), slot_m_s) + 1
     if max(steps, slots, terms.bodies) > MOST:
         raise InputError(
             f"not verifiable: {steps} steps, {slots} slots and {terms.bodies} bodies are too many; "
@@ -257,7 +321,7 @@ def most_in_steps(
     unit, units, toll = _in_units(gains, price, slots, steps // max(1, shortest) + 2, counting)
     bits, kind = _bits(terms.bodies), counting.kind
     mask = kind((1 << bits) - 1)
-    begun = slots_in(float(terms.begun[-1]), slot_m_s)
+    begun = _slots_in(float(terms.begun[-1]), slot_m_s)
     worths = list(units)
     for body in np.flatnonzero(terms.is_station):
         worths[body] += toll * (slots - 1)
