@@ -126,7 +126,7 @@ def _sweep(moves, takes, image, mask, never, best, second):
     takes : (bodies,) int64
         Kits that a service takes.
     image : (bodies, kits + 1, slots) int64
-        Slot after the stay at each body, by kits and slot on arrival.
+        Slot after the stay at each body, by kits and slot on arrival; −1 if that does not change.
     mask, never : int32
         Bits of the next body, and value of what is not possible.
     best, second
@@ -140,8 +140,12 @@ def _sweep(moves, takes, image, mask, never, best, second):
             i, j, cost = moves.origin[move], moves.destination[move], moves.cost[move]
             for kits in range(takes[j], layers):
                 rest, to = kits - takes[j], moves.lands[move]
-                at = image[j, kits, : width - 1 - cost]
-                value, other_value = best[rest, to, j][at], second[rest, to, j][at]
+                value, other_value = best[rest, to, j], second[rest, to, j]
+                if image[j, kits, 0] < 0:  # nothing changes
+                    value, other_value = value[: width - 1 - cost], other_value[: width - 1 - cost]
+                else:
+                    at = image[j, kits, : width - 1 - cost]
+                    value, other_value = value[at], other_value[at]
                 value = np.where(value & mask == moves.back[move], other_value, value)
                 value = (value & units) + moves.code[move]
                 own = best[kits, step, i, cost : width - 1]
@@ -205,7 +209,10 @@ def _slots_in(delta_v: Array, slot: float) -> Array:
 
 
 def _images(legs: Legs, slots: int, slot: float) -> Array:
-    """Slot after the stay at each body, by kits and slot on arrival; the last if there is none."""
+    """Slot after the stay at each body, by kits and slot on arrival; −1 if that does not change.
+
+    It is the last one if the stay is not possible.
+    """
     terms, cargo = legs.terms, legs.terms.cargo
     layers, tops = cargo.full.size, _slots_in(cargo.full, slot)
     body, kits, at = np.indices((terms.bodies, layers, slots)).reshape(3, -1)
@@ -214,7 +221,7 @@ def _images(legs: Legs, slots: int, slot: float) -> Array:
     top = tops[np.maximum(kits - cargo.takes[body], 0)]
     image = np.minimum(_slots_in(np.maximum(after, 0.0), slot), top)
     same = (cargo.share[body, kits] == 1.0) & (cargo.lost[body, kits] == 0.0)
-    image = np.where(same, at, np.where(after < 0.0, slots, image))
+    image = np.where(same, -1, np.where(after < 0.0, slots, image))
     image = np.where(terms.is_station[body], tops[kits], image)
     return image.reshape(terms.bodies, layers, slots)
 
