@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
@@ -23,7 +22,6 @@ from random_rules import (
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.judge.verify import cargo, closed, completion
 from adr_opt.judge.verify.legs import Legs, legs_of
 from adr_opt.judge.verify.rules import kept_apart
 from adr_opt.legs.connection_finder import ConnectionFinder
@@ -135,11 +133,3 @@ class Spoilt(ConnectionFinder):
         found = super().of_pair(i, j, resolution_m_s)
         kept = np.random.default_rng([i, j]).random(found.departure.size) >= self._missing
         return replace(found.at(kept), delta_v=found.delta_v[kept] - self._cheaper)
-
-
-def plain_core(set_attribute: Callable[[object, str, object], None]) -> None:
-    """Let the core of the verifier run as the NumPy that it is written in."""
-    for module in (cargo, completion, closed):
-        for name, each in list(vars(module).items()):
-            if hasattr(each, "py_func"):
-                set_attribute(module, name, each.py_func)

@@ -13,16 +13,7 @@ import pytest
 from exact_variants import variant
 from random_rules import falling_mission
 from seeds import over_seeds
-from verify_fields import (
-    FEW,
-    laden,
-    legs_for,
-    plain_core,
-    proven,
-    refuelling,
-    towing_and_laden,
-    worths_of,
-)
+from verify_fields import FEW, laden, legs_for, proven, refuelling, towing_and_laden, worths_of
 
 from adr_opt.common.errors import InputError
 from adr_opt.judge.verify import verify
@@ -30,6 +21,7 @@ from adr_opt.judge.verify.closed import Labels, dominates, ends_of, is_answer, w
 from adr_opt.judge.verify.cuts import NumberedCut
 from adr_opt.judge.verify.legs import losses_of
 from adr_opt.judge.verify.lists import Listed, Lists
+from adr_opt.judge.verify.plain import plain
 from adr_opt.judge.verify.walks import Asked, asked, walks_reach
 from adr_opt.problem.instance import Instance
 from solvers.labels import expand
@@ -277,18 +269,18 @@ def test_lists_that_are_not_forged_are_accepted(claims):
         assert not refused(claim.true, Listed(listed.labels.at(order), None))
 
 
-def test_plain_numpy_finds_the_same(claims, monkeypatch):
+def test_plain_numpy_finds_the_same(claims):
     """Without compilation the table and the ends of legs are the same, to the last bit."""
     claim, listed = claims[0]
     compiled = claim.ask(claim.least), of_rows(claim, listed)
-    plain_core(monkeypatch.setattr)
-    plain = claim.ask(claim.least), of_rows(claim, listed)
+    with plain():
+        uncompiled = claim.ask(claim.least), of_rows(claim, listed)
+        assert not refused(claim.true, listed)
     for name in ("best", "second"):
-        tables = (getattr(each.question.table, name) for each in (compiled[0], plain[0]))
+        tables = (getattr(each.question.table, name) for each in (compiled[0], uncompiled[0]))
         np.testing.assert_array_equal(*tables)
-    for one, other in zip(compiled[1], plain[1], strict=True):
+    for one, other in zip(compiled[1], uncompiled[1], strict=True):
         np.testing.assert_array_equal(one, other)
-    assert not refused(claim.true, listed)
 
 
 def test_a_file_of_labels_stands_in_for_a_search(tmp_path, monkeypatch):
