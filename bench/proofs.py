@@ -92,20 +92,20 @@ def verify(
         )
 
 
-def lists(*fields: str, plain: bool = False, limit: float = 300.0) -> None:
+def lists(*fields: str, plain: bool = False, certificates: str = "", limit: float = 300.0) -> None:
     """Cost of checking a proof by its list of closed labels.
 
-    For each field of the library its certificate in ``instances/certificates``, or that of a proof
-    by ``exact``. Without sampled connections: ``verify`` makes the list and writes it, and checks
-    it once more from the file, with the rows of labels that dominate. ``--plain``: then nothing of
-    the core is compiled.
+    For each field of the library its certificate in ``instances/certificates``, or in a folder of
+    ``--certificates``, or that of a proof by ``exact``. Without sampled connections: ``verify``
+    makes the list and writes it, and checks it once more from the file, with the rows of labels
+    that dominate. ``--plain``: then nothing of the core is compiled.
     """
     head(
         *("field", "bound", "labels made", "labels in the list", "ends", "list, MB"),
         *("without ends", "made and checked, processor s", "checked, processor s", "verified"),
     )
     library = load_library(INSTANCES / "library.json")
-    kept = INSTANCES / "certificates"
+    kept = Path(certificates) if certificates else INSTANCES / "certificates"
     for name in fields:
         (entry,) = (
             each for each in library.of_family(name.rpartition("-")[0]) if each.name == name

@@ -77,6 +77,7 @@ def test_what_a_page_says_that_its_python_prints(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Each block of Python on the page prints what the page says that it prints, if anything."""
+    (tmp_path / "instances").symlink_to(ROOT / "instances")
     monkeypatch.chdir(tmp_path)
     block = r"```python\n(.*?)```\n(?:\nprints\n\n```text\n(.*?)```)?"
     pairs = re.findall(block, read(f"docs/{page}.md"), re.DOTALL)

@@ -57,8 +57,8 @@ class Completion(NamedTuple):
     second : the same shape
         Most of those that go to another body next.
     bits : int
-    slot : float
-        [m/s].
+    slot_m_s : float
+        Width of a slot [m/s].
     unit : float
         What one unit is worth.
     last : (steps,) float64
@@ -70,7 +70,7 @@ class Completion(NamedTuple):
     best: Array
     second: Array
     bits: int
-    slot: float
+    slot_m_s: float
     unit: float
     last: Array
     lands: Array
@@ -87,7 +87,7 @@ def still(table, kits, step, body, left, came_from):
         ΔV, at least 0 [m/s].
     """
     _, steps, bodies, width = table.best.shape
-    slot = np.minimum(left / table.slot + SLOT_SLACK, width - 2.0).astype(np.int64)
+    slot = np.minimum(left / table.slot_m_s + SLOT_SLACK, width - 2.0).astype(np.int64)
     at = ((kits * steps + step) * bodies + body) * width + slot
     best, second = table.best.ravel()[at], table.second.ravel()[at]
     is_back = best & (1 << table.bits) - 1 == came_from

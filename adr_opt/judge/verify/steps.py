@@ -41,68 +41,10 @@ MEMORY_SHARE = 0.8
 """Share of free memory that legs and values may take."""
 
 
-class Onward(NamedTuple):
-    """One leg as applied to the values of its origin.
-
-    Attributes
-    ----------
-    cost : int
-        [slots].
-    top : int
-        Slot of the tank that is filled where it lands; −1 at a target.
-    code : int
-        What the destination gives, packed with it.
-    came_from : int
-        Body that the walk leaves, to which it does not go straight back.
-    """
-
-    cost: int
-    top: int
-    code: int
-    came_from: np.int32
-
-
-class Packing(NamedTuple):
-    """Number of bits for the next body in a packed value, and the value of infeasible states."""
-
-    mask: np.int32
-    never: np.int32
-
-
 @inlined
 def _slots_in(delta_v, slot):
     """Number of slots of ΔV in a tank with a given remainder."""
     return int(delta_v / slot + SLOT_SLACK)
-
-
-@kernel
-def _put(own, other, landed, landed_second, leg, packing):
-    """Improve the values of a body and step by one leg.
-
-    Parameters
-    ----------
-    own, other : (slots,) int32
-        Best and second best; updated.
-    landed, landed_second : (slots,) int32
-        Those where the leg lands.
-    leg : Onward
-    packing : Packing
-    """
-    cost, top, code, came_from = leg
-    mask, never = packing
-    for c in range(cost, own.size):
-        at = c - cost if top < 0 else top
-        value = landed[at]
-        if value & mask == came_from:
-            value = landed_second[at]
-        value = (value & ~mask) + code
-        best = own[c]
-        loser = min(best, value)
-        best = max(best, value)
-        own[c] = best
-        if (best ^ loser) & mask == 0:
-            loser = never
-        other[c] = max(other[c], loser)
 
 
 class Counting(NamedTuple):
@@ -158,14 +100,16 @@ class StepTerms(NamedTuple):
     is_station : (bodies,) bool
     top : int
         Slot of a full tank; −1 where ΔV has a price.
-    packing : Packing
+    mask, never : values
+        Bits of the next body in a packed value, and the value of what is not possible.
     """
 
     code: npt.NDArray[Any]
     toll: Any
     is_station: npt.NDArray[np.bool_]
     top: int
-    packing: Packing
+    mask: Any
+    never: Any
 
 
 class StepValues(NamedTuple):
@@ -233,8 +177,9 @@ def _sweep(legs, behind, i, came_from, terms, values, high, low):
     values : StepValues
         By body, step and slot.
     """
-    code, toll, is_station, top, packing = terms
+    code, toll, is_station, top, mask, never = terms
     best, second = values
+    gives = code[:1].copy()  # of the type of values
     for step in range(high - 1, low - 1, -1):
         own, other = best[i, step], second[i, step]
         own[:] = best[i, step + 1]
@@ -245,25 +190,24 @@ def _sweep(legs, behind, i, came_from, terms, values, high, low):
             j, cost = (leg >> DESTINATION) & FIELD, leg & FIELD
             lands = step + ((leg >> AHEAD) & FIELD)
             landed, landed_second = best[j, lands], second[j, lands]
-            if top >= 0:
-                full = top if is_station[j] else -1
-                _put(
-                    own,
-                    other,
-                    landed,
-                    landed_second,
-                    Onward(cost, full, code[j], came_from),
-                    packing,
-                )
-            else:
-                _put(
-                    own,
-                    other,
-                    landed,
-                    landed_second,
-                    Onward(0, -1, code[j] - cost * toll, came_from),
-                    packing,
-                )
+            gives[0] = code[j]
+            if top < 0:
+                gives[0] -= cost * toll
+                cost = 0
+            given, fills = gives[0], top >= 0 and is_station[j]
+            for c in range(cost, own.size):
+                at = top if fills else c - cost
+                value = landed[at]
+                if value & mask == came_from:
+                    value = landed_second[at]
+                value = (value & ~mask) + given
+                most = own[c]
+                less = min(most, value)
+                most = max(most, value)
+                own[c] = most
+                if (most ^ less) & mask == 0:
+                    less = never
+                other[c] = max(other[c], less)
     return behind
 
 
@@ -335,7 +279,8 @@ def most_in_steps(
         kind(toll << bits),
         terms.is_station,
         slots - 1 if worth_per_m_s is None else -1,
-        Packing(mask, kind(counting.never)),
+        mask,
+        kind(counting.never),
     )
     values = StepValues(best, second)
     behind = [each.size for each in legs]
