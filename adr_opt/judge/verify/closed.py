@@ -173,14 +173,15 @@ def dominates(legs: Legs, question: Question, some: Labels, others: Labels) -> A
     """Which labels dominate others, one by one."""
     # One with a kit more that weighs something has less left once that is gone.
     aboard = np.equal if legs.terms.cargo.heavy else np.greater_equal
-    found = (some.body == others.body) & aboard(some.kits, others.kits)
+    found: Array = (some.body == others.body) & aboard(some.kits, others.kits)
     found &= (some.time <= others.time) & (some.left >= others.left)
     found &= some.worth >= others.worth
     found &= np.all(some.counts <= others.counts, axis=0)
     found &= np.all(some.memory & ~others.memory == 0, axis=0)
     # It may have to pay at once what the other one has paid.
     owing = tolls(some.odd & ~others.odd, question.toll)
-    return found & (some.value - owing >= others.value)
+    found &= some.value - owing >= others.value
+    return found
 
 
 def is_answer(legs: Legs, question: Question, labels: Labels) -> Array:
@@ -189,7 +190,8 @@ def is_answer(legs: Legs, question: Question, labels: Labels) -> Array:
     value = labels.value - _less(waited * question.per_s)
     unused = legs.terms.cargo.heavy & (labels.kits > 0)
     reaches = (value >= question.need) & (labels.worth >= question.least)
-    return legs.terms.may_end[labels.body] & ~unused & reaches
+    ends: Array = legs.terms.may_end[labels.body] & ~unused & reaches
+    return ends
 
 
 @kernel
