@@ -19,7 +19,7 @@ from adr_opt.fly.forces import Forces, fly_forced, library
 from adr_opt.fly.forces.flown import fly_leg, plan_field
 from adr_opt.fly.forces.library import Moving, World
 from adr_opt.fly.forces.settings import WEATHER
-from adr_opt.plan.refined_plan import RefinedPlan
+from adr_opt.plan.refined_plan import Missing, RefinedPlan
 from adr_opt.problem.instance import Instance
 
 WEEK_S = 7.0 * DAY_S
@@ -43,7 +43,9 @@ def week_fields(count: int) -> Iterator[Field]:
         plan = refined(instance)
         long = (leg for leg in plan.legs if leg.standoff_s - leg.states[0].time_s > 0.9 * WEEK_S)
         legs = tuple(long)[:count]
-        yield instance, plan.replace(legs=legs)
+        others = sorted({leg.leg for leg in plan.legs} - {leg.leg for leg in legs})
+        missing = (*plan.missing, *(Missing(leg=leg, reason="short") for leg in others))
+        yield instance, plan.replace(legs=legs, missing=missing, status="incomplete")
         count, seed = count - len(legs), seed + 1
 
 

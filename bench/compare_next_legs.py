@@ -11,6 +11,7 @@ scenarios of ``bench/rehearsals.py`` as well.
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from machine import heading
 from next_leg.held import held_missions, means
@@ -38,10 +39,10 @@ def main() -> None:
     print(heading())
     print(f"\n| weights | {' | '.join(f'{family}, {world}' for family, world in held)} |")
     print(f"|{'---|' * (len(held) + 1)}")
-    scorers = [shipped(), *map(load_scorer, arguments.weights), CheapestLegs()]
+    scorers: list[Any] = [shipped(), *map(load_scorer, arguments.weights), CheapestLegs()]
     for scorer in scorers:
         name = scorer.facts.get("variant", NAMES[type(scorer) is LegScorer])
-        found = means(held, scorer)  # type: ignore[arg-type]
+        found = means(held, scorer)
         print(f"| {name} | {' | '.join(f'{mean:.2f}' for mean in found.values())} |", flush=True)
 
 

@@ -14,10 +14,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from statistics import fmean, median, stdev
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
 from fields import best_known, ready
+from gymnasium.spaces import Discrete
 from planners import solved
 from scipy.stats import t
 from tables import experiment, head, row, timed
@@ -66,7 +68,7 @@ def vector_rate(
 
 def single_rate(env: MissionEnv, steps: int) -> float:
     """The same of one mission after the other in a Python loop; resets are not timed."""
-    cheap = Cheap(1, int(env.action_space.n) - 1)
+    cheap = Cheap(1, int(cast(Discrete, env.action_space).n) - 1)
     spent = 0.0
     over = True
     for _ in range(steps):
@@ -113,7 +115,7 @@ def environment(
         for count in counts:
             many = MissionVecEnv(count, observation=seen, slots=slots, threads=max(threads))
             many.reset()
-            cheap = Cheap(count, int(many.action_space.n) - 1)
+            cheap = Cheap(count, int(cast(Discrete, many.action_space).n) - 1)
             vector_rate(many, cheap, steps)
             for used in threads:
                 many.threads = used

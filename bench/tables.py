@@ -59,7 +59,7 @@ def experiment(
             said = inspect.getdoc(table) or ""
             one = names.add_parser(
                 table.__name__.replace("_", "-"),
-                help=said.partition("\n")[0],
+                help=_unformatted(said.partition("\n")[0]),
                 description=said,
                 formatter_class=argparse.RawDescriptionHelpFormatter,
             )
@@ -101,9 +101,14 @@ def add_words(parser: argparse.ArgumentParser, table: Callable[..., object]) -> 
                 f"--{name.replace('_', '-')}",
                 default=given,
                 nargs="+" if several else None,
-                help="" if given is None else f"[{shown}]".replace("%", "%%"),
+                help="" if given is None else _unformatted(f"[{shown}]"),
                 **how,
             )
+
+
+def _unformatted(text: str) -> str:
+    """A text for argparse, which formats its lines of help, and not its descriptions."""
+    return text.replace("%", "%%")
 
 
 def _kind(annotation: Any) -> tuple[Any, bool]:

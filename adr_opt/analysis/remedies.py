@@ -2,26 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from ..common.constants import SLACK_M_S
-from ..kernels.rules.rules import Rules
-from ..legs.connection_finder import ConnectionFinder
-from ..legs.service_limits import limits_of
 from ..mission.mission import Mission
-from ..mission.schedule import Front, Scheduler
-from ..plan.cargo import loads_of, most_left_m_s
-from ..problem.chasers import Chaser, Tank, TankByMass
-from ..problem.instance import Instance
-
-LARGEST, LONGEST = 4.0, 2.0
-"""Largest multiples of the tank and of the mission that are examined."""
-
-PRECISION_M_S = 0.1
-"""Precision of the least tank."""
+from ..mission.relaxed import LARGEST, LONGEST, Relaxed, with_tank
 
 Moves = tuple[int, ...]
 
@@ -118,15 +104,15 @@ def missing(mission: Mission, moves: Moves, made: int) -> Shortfall:
     if mission.in_order(moves) < len(moves):
         return Shortfall()  # the order itself is against the rules, and nothing helps
     chaser = mission.chaser
-    larger, longer = _with_tank(chaser, LARGEST), mission.instance.mission.duration_s * LONGEST
-    tank, time = _Relaxed(mission, larger, None), _Relaxed(mission, chaser, longer)
+    larger, longer = with_tank(chaser, LARGEST), mission.instance.mission.duration_s * LONGEST
+    tank, time = Relaxed(mission, larger, None), Relaxed(mission, chaser, longer)
     by_tank = tank.least_scale(moves)
     by_time = time.least_end(moves, 1.0)
     both = by_tank is None and by_time is None
     if both:
-        by_time = _Relaxed(mission, larger, longer).least_end(moves, LARGEST)
+        by_time = Relaxed(mission, larger, longer).least_end(moves, LARGEST)
         if by_time is not None:
-            tank = _Relaxed(mission, larger, by_time)
+            tank = Relaxed(mission, larger, by_time)
             by_tank = tank.least_scale(moves)
         both = by_tank is not None
         if not both:
@@ -162,89 +148,3 @@ def _window(mission: Mission, moves: Moves, made: int) -> float | None:
         else:
             low = middle + 1
     return float(max(ends[low] - rules.closes[j], 0.0))
-
-
-def _with_tank(chaser: Chaser, scale: float) -> Chaser:
-    """A chaser with a scaled tank: ΔV or propellant.
-
-    The ΔV that is lacking at the start stays lacking, as first legs pay for it: more in a full tank
-    is more at the start, too.
-    """
-    tank = chaser.tank
-    if isinstance(tank, TankByMass):
-        larger = tank.replace(propellant_kg=scale * tank.propellant_kg, initial_propellant_kg=None)
-        if tank.spent_m_s > 0.0:
-            left_m_s = larger.delta_v_m_s - tank.spent_m_s
-            left_kg = tank.dry_mass_kg * math.expm1(left_m_s / tank.exhaust_m_s)
-            larger = larger.replace(initial_propellant_kg=max(left_kg, 0.0))
-        return chaser.replace(tank=larger)
-    full = scale * tank.delta_v_m_s
-    initial = full - tank.spent_m_s if tank.spent_m_s else None
-    return chaser.replace(tank=Tank(delta_v_m_s=full, initial_delta_v_m_s=initial))
-
-
-class _Relaxed:
-    """An order under larger limits: their connections, and rules between them and the true ones.
-
-    Parameters
-    ----------
-    mission : Mission
-    chaser : Chaser
-        With a tank that may be larger.
-    duration_s : float or None
-        Of the mission and of the availability of the chaser; None for what they are.
-    """
-
-    def __init__(self, mission: Mission, chaser: Chaser, duration_s: float | None) -> None:
-        self._mission = mission
-        instance, number = mission.instance, mission.instance.chasers.index(mission.chaser)
-        if duration_s is not None:
-            chaser = chaser.replace(available_s=(chaser.available_s[0], None))
-            instance = instance.replace(mission=instance.mission.replace(duration_s=duration_s))
-        chasers = (*instance.chasers[:number], chaser, *instance.chasers[number + 1 :])
-        self._instance: Instance = instance.replace(chasers=chasers)
-        limits = limits_of(self._instance, number)
-        self._rules = mission.rules._replace(closes=limits.closes, duration=limits.duration)
-        connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
-        cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
-        self._schedules = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
-
-    def _under(self, scale: float) -> Rules:
-        """The rules with a scaled tank."""
-        mission = self._mission
-        chaser = _with_tank(mission.chaser, scale)
-        loads = loads_of(mission.instance, chaser, mission.margin)
-        budget = (1.0 - mission.margin) * chaser.tank.delta_v_m_s + SLACK_M_S
-        if loads is not None:
-            budget = most_left_m_s(loads)
-        return self._rules._replace(budget=budget, loads=loads)
-
-    def _front(self, moves: Moves, scale: float) -> Front | None:
-        """Labels at the end of an order; None if it cannot be flown."""
-        fronts = self._schedules.under(self._under(scale)).fronts(moves)
-        return fronts[-1] if len(fronts) > len(moves) else None
-
-    def least_end(self, moves: Moves, scale: float) -> float | None:
-        """Earliest end of an order [s]."""
-        front = self._front(moves, scale)
-        return None if front is None else float(front.ready.min())
-
-    def added_m_s(self, scale: float) -> float:
-        """Additional ΔV of a scaled tank [m/s]."""
-        chaser = self._mission.chaser
-        return _with_tank(chaser, scale).tank.delta_v_m_s - chaser.tank.delta_v_m_s
-
-    def least_scale(self, moves: Moves) -> float | None:
-        """Least scale of the tank."""
-        if self._front(moves, LARGEST) is None:
-            return None
-        low, high = 1.0, LARGEST
-        full = self._mission.chaser.tank.delta_v_m_s
-        steps = math.ceil(math.log2(max(LARGEST * full / PRECISION_M_S, 2.0)))
-        for _ in range(steps):
-            middle = 0.5 * (low + high)
-            if self._front(moves, middle) is None:
-                low = middle
-            else:
-                high = middle
-        return high

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from typing import Any, NoReturn, TypeVar
+from typing import Any, LiteralString, NoReturn, TypeVar
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
@@ -113,6 +113,13 @@ def _refuse(pairs: list[tuple[str, Any]]) -> NoReturn:
     raise _RepeatedKeyError(f"field {shown} stands twice in one object; keep one")
 
 
+def refused(title: str, said: str, kind: LiteralString = REPEATED) -> ValidationError:
+    """The error of validation of a whole file, in a sentence."""
+    told = PydanticCustomError(kind, "{said}", {"said": said})
+    details = InitErrorDetails(type=told, loc=(), input=None)
+    return ValidationError.from_exception_data(title, [details], input_type="json")
+
+
 def _nothing(number: str) -> None:
     """The value of a number, which is of no account for keys."""
 
@@ -127,9 +134,6 @@ def _check_keys(text: str | bytes, title: str) -> None:
             parse_constant=_nothing,
         )
     except _RepeatedKeyError as error:
-        told = PydanticCustomError(REPEATED, "{said}", {"said": str(error)})
-        raise ValidationError.from_exception_data(
-            title, [InitErrorDetails(type=told, loc=(), input=None)], input_type="json"
-        ) from None
+        raise refused(title, str(error)) from None
     except (ValueError, RecursionError):
         pass  # not JSON: validation says why

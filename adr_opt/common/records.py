@@ -110,6 +110,16 @@ def without(content: dict[str, Any], *unset: str) -> dict[str, Any]:
     }
 
 
+def without_usual(record: Record, content: dict[str, Any], *names: str) -> dict[str, Any]:
+    """The written form of a record without some fields where they have their defaults."""
+    usual = {name: type(record).model_fields[name].default for name in names}
+    return {
+        name: value
+        for name, value in content.items()
+        if name not in usual or getattr(record, name) != usual[name]
+    }
+
+
 Window = Annotated[tuple[Time, Time | None], Field(strict=False)]
 """Opening and closing times since the epoch [s]; null: never."""
 

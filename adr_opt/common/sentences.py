@@ -18,7 +18,7 @@ LEAST_ALIKE = 0.6
 """Smallest similarity (difflib) at which an unknown key counts as a misspelling of another."""
 
 
-KINDS = {"(station)", "(orbit)", "(word)", "(delta-v)", "(mass)"}
+KINDS = {"(station)", "(orbit)", "(word)", "(delta-v)", "(mass)", "(circle)", "(perigee)"}
 """Tags of union members in pydantic's error locations, which are no keys of a file."""
 
 PLAINER = (

@@ -34,7 +34,7 @@ PROVISIONAL = _names("""
 """Documented modules that may change in any version, with a line in the changelog."""
 
 STABLE_FORMATS = _names("""
-    adr-opt-instance/2 adr-opt-plan/2 adr-opt-refined/1 adr-opt-certificate/1
+    adr-opt-instance/3 adr-opt-instance/2 adr-opt-plan/2 adr-opt-refined/1 adr-opt-certificate/1
     adr-opt-uncertainty/1 adr-opt-target-errors/1 adr-opt-functions/1 adr-opt-elements/1
     adr-opt-worth/1 adr-opt-library/1
 """)

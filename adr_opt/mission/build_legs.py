@@ -1,4 +1,4 @@
-"""Plans from sequences of bodies: legs, burns, and a reason for each target left out."""
+"""Plans from sequences of bodies: legs, and burns."""
 
 from __future__ import annotations
 
@@ -10,18 +10,16 @@ import numpy.typing as npt
 
 from ..common.constants import SLACK_M_S
 from ..common.errors import InputError
-from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
 from ..legs.families.family import StatedLeg, ThrustArc
 from ..plan.leg_kinds import GIVEN, leg_kinds
-from ..plan.plan import Burn, Leg, LowThrustArc, Reason, Unvisited, burns_of
+from ..plan.plan import Burn, Leg, LowThrustArc, burns_of
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
 from ..plan.tows import RemovalFlight, burn_vectors, removals_of
 from ..plan.venting import vented
 from .mission import Mission
-from .orders import why_broken
-from .schedule import Schedule, left_at_start
+from .schedule import Schedule
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -174,66 +172,3 @@ def _arc(arc: ThrustArc) -> LowThrustArc:
         inclination_deg=math.degrees(arc.tilt),
         raan_deg=math.degrees(arc.turn),
     )
-
-
-def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited, ...]:
-    """Targets left out of all sequences, each with its reason (see :class:`Unvisited`).
-
-    Parameters
-    ----------
-    flown : iterable of (Mission, sequence of int)
-        What each chaser visits. Of several the one is asked that comes nearest to the target.
-    """
-    found: dict[str, Reason] = {}
-    routes = [(mission, [int(j) for j in sequence]) for mission, sequence in flown]
-    visited = {j for _, moves in routes for j in moves}
-    for mission, moves in routes:
-        left = sorted(set(range(mission.rules.first_target, len(mission.names))) - visited)
-        for name, reason in _left_out(mission, moves, left) if left else ():
-            if name not in found or _FURTHEST.index(reason) > _FURTHEST.index(found[name]):
-                found[name] = reason
-    return tuple(Unvisited(target=name, reason=reason) for name, reason in found.items())
-
-
-_FURTHEST: tuple[Reason, ...] = (
-    "not-considered",
-    "no-transfer",
-    "duration",
-    "delta-v",
-    "capacity",
-    "not-worth-it",
-)
-"""Obstacles to reaching a target, hardest first."""
-
-
-def _left_out(
-    mission: Mission, moves: list[int], left_out: Iterable[int]
-) -> Iterator[tuple[str, Reason]]:
-    """Targets left out, with reasons of a chaser with these moves."""
-    timing = mission.time(moves)
-    rules = mission.rules
-    body = moves[-1] if moves else rules.start
-    time = float(timing.ends[-1]) if moves else rules.ready
-    left = float(timing.lefts[-1]) if moves else left_at_start(rules, 0)
-    heavy = mission.chaser.kit_mass_kg > 0.0
-    tows = removals_of(mission.instance, mission.connecting.drive)
-    for j in left_out:
-        reason: Reason
-        if not mission.timetable.holds(body, j):
-            yield mission.names[j], "not-considered"
-            continue
-        found = mission.schedules.from_ready(body, j, np.array([time])).after(time)
-        ends = service_ends(found.arrival, rules.opens[j], rules.service[j])
-        in_time = ends <= rules.closes[j]
-        if not in_time.any():
-            leads = mission.has_transfer[j] or mission.has_functions
-            reason = "duration" if leads else "no-transfer"
-        elif found.delta_v[in_time].min() > left:
-            reason = "delta-v"
-        elif why_broken(mission.rules, (*moves, j), mission.schedules.kits_for):
-            reason = "capacity"
-        elif (heavy or j in tows) and mission.schedules.of((*moves, j)).made == len(moves):
-            reason = "delta-v"  # with its kit aboard from the start less is left; or to tow it
-        else:
-            reason = "not-worth-it"
-        yield mission.names[j], reason

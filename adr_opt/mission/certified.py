@@ -11,8 +11,9 @@ from itertools import chain
 from ..common.errors import InputError
 from ..plan.expense import cost_of_routes
 from ..plan.plan import MODEL, InstanceReference, Plan, Route, Status
-from .build_legs import APPROXIMATE, legs, unvisited
+from .build_legs import APPROXIMATE, legs
 from .evidence import Evidence
+from .left_out import unvisited
 from .mission import Mission
 from .prizes import Prizes
 from .problem import Problem

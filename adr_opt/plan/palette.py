@@ -15,10 +15,12 @@ VISITED = COLOURS["service"]
 UNVISITED = COLOURS["wait"]
 
 REASONS = {
-    "no-transfer": "no body has a transfer to it that leaves time for service",
+    "no-transfer": "no leg leads to it from where the plan ends, even with more of everything",
+    "several": "one more leg to it would need more than one of ΔV, time and a larger allowance",
     "duration": "one more leg to it would end too late for the mission, or for its window",
     "delta-v": "one more leg to it, in time, would need more ΔV than is left",
-    "capacity": "its chaser has no kit left for it, or services as many as it may",
+    "kits": "one more leg would reach it, but its chaser has no kit left for it",
+    "capacity": "one more leg would reach it, but its chaser services as many as it may",
     "not-worth-it": "it could still be added at the end, but the plan leaves it out",
     "not-considered": "no route to it was searched for: time or memory ran out",
 }

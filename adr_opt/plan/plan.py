@@ -34,7 +34,16 @@ FORMER_MODEL: Literal[2] = 2
 Model = Literal[2, 3]
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
-Reason = Literal["duration", "delta-v", "no-transfer", "capacity", "not-worth-it", "not-considered"]
+Reason = Literal[
+    "no-transfer",
+    "several",
+    "duration",
+    "delta-v",
+    "kits",
+    "capacity",
+    "not-worth-it",
+    "not-considered",
+]
 
 Vector = tuple[DeltaV, DeltaV, DeltaV]
 
@@ -227,13 +236,13 @@ class Route(Shown, Record):
 class Unvisited(Record):
     """A target left out of the plan, with the reason.
 
-    The reason is read off the end of the plan: ``no-transfer`` if no body of the mission has a
-    connection to the target that leaves time for service, else ``duration`` if none from where the
-    plan ends does, or ``delta-v`` if all of those need more ΔV than is left, or ``capacity`` if the
-    chaser has no kit for it or has reached its ``max_targets``, else ``not-worth-it``: one more leg
-    fits, and the plan does not fly it. ``not-considered`` is one without a search for a
-    way from where the plan ends, because the time or the memory did not allow it; a note of the
-    plan says more.
+    The reason says what keeps the chaser from one more leg at the end of the plan, and is tried: a
+    larger tank alone would do (``delta-v``), a longer mission and window alone (``duration``),
+    another kit (``kits``), or more targets than its limits allow (``capacity``); more than one of
+    these (``several``); or none, up to four tanks and twice the time (``no-transfer``).
+    ``not-worth-it``: one more leg fits, and the plan does not fly it. ``not-considered`` is one
+    without a search for a way from where the plan ends, because the time or the memory did not
+    allow it; a note of the plan says more.
     """
 
     target: Name

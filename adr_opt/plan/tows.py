@@ -78,16 +78,13 @@ class RemovalFlight(NamedTuple):
 
 def removals_of(instance: Instance, drive: Drive | None) -> dict[int, RemovalFlight]:
     """Removals flown by chasers with a drive, or with impulses, by number of the removed body."""
-    altitude = instance.mission.disposal_altitude_m
-    if altitude is None:
-        return {}
-    low, arcs = EARTH_RADIUS_M + altitude, Arcs(instance.oblateness_m2)
-    found = {}
+    arcs, found = Arcs(instance.oblateness_m2), {}
     for body, target in enumerate(instance.targets, start=instance.first_target):
         if not target.service.is_flown:
             continue
         assert target.orbit is not None
         assert target.mass_kg is not None
+        low = EARTH_RADIUS_M + instance.circle_m(target)
         high, inclination = target.orbit.circular_elements()[:2]
         if drive is not None:
             found[body] = _spiral(

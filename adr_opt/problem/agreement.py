@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ..common.constants import EARTH_RADIUS_M
 from ..common.tolerance import common_step
-from .bodies import Station, Target
+from .bodies import DisposalCircle, Station, Target
 from .chasers import AtStation, Chaser, InOrbit, TankByMass
 from .settings import MissionSettings, Objective, TransferSettings
 
@@ -162,6 +162,29 @@ def check_orbits(
                 )
 
 
+MOST_KEEP_OUT = 0.9
+"""Largest radius that is kept out of, as a share of how near the stand-off itself comes."""
+
+
+def check_approach(transfer: TransferSettings, bodies: Sequence[Station | Target]) -> None:
+    """The ellipse must fit between the target and the stand-off, and paths must be known."""
+    if transfer.approach == "half-lap":
+        return
+    if transfer.given is not None:
+        raise ValueError(
+            f'field transfer.approach = "{transfer.approach}": the paths of given connections are '
+            "not known; leave it out"
+        )
+    for body in bodies:
+        assert body.orbit is not None
+        most = MOST_KEEP_OUT * transfer.standoff_m * (1.0 - body.orbit.eccentricity)
+        if transfer.keep_out_m > most:
+            raise ValueError(
+                f"field transfer.keep_out_m = {transfer.keep_out_m!r}: must be at most {most:.0f} "
+                f"m, {MOST_KEEP_OUT} standoff_m (1 − e) of {body.name!r}"
+            )
+
+
 def check_removals(
     targets: Sequence[Target],
     chasers: Sequence[Chaser],
@@ -195,16 +218,22 @@ def check_removals(
                 f"chasers[{chaser_number}] is given in ΔV; give its dry_mass_kg, propellant_kg and "
                 "isp_s"
             )
-    altitude = mission.disposal_altitude_m
-    if altitude is None:
-        raise ValueError(f"{field}: no disposal orbit; give mission.disposal_altitude_m")
-    stated = f"field mission.disposal_altitude_m = {altitude!r}"
-    if not transfer.min_altitude_m <= altitude <= transfer.max_altitude_m:
-        raise ValueError(
-            f"{stated}: must be within the altitude limits of transfers, "
-            f"{transfer.min_altitude_m!r} to {transfer.max_altitude_m!r}"
-        )
     for number, target in towed:
+        disposal = target.disposal or mission.disposal
+        if disposal is None:
+            raise ValueError(
+                f'field targets[{number}].removal = "tow": no disposal orbit; give mission.disposal'
+            )
+        if not isinstance(disposal, DisposalCircle):
+            continue
+        altitude = disposal.circle_m
+        place = "mission" if target.disposal is None else f"targets[{number}]"
+        stated = f"field {place}.disposal.circle_m = {altitude!r}"
+        if not transfer.min_altitude_m <= altitude <= transfer.max_altitude_m:
+            raise ValueError(
+                f"{stated}: must be within the altitude limits of transfers, "
+                f"{transfer.min_altitude_m!r} to {transfer.max_altitude_m!r}"
+            )
         if target.mass_kg is None:
             raise ValueError(f"field targets[{number}].mass_kg: missing, and it is towed; give it")
         assert target.orbit is not None

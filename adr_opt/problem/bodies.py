@@ -13,13 +13,24 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
+    Discriminator,
     Field,
     SerializerFunctionWrapHandler,
+    Tag,
     model_serializer,
     model_validator,
 )
 
-from ..common.records import LARGEST_MASS_KG, Count, Name, Record, Window, check_window, without
+from ..common.records import (
+    LARGEST_MASS_KG,
+    Count,
+    Length,
+    Name,
+    Record,
+    Window,
+    check_window,
+    without,
+)
 from .orbit import Decay, Fit, Orbit
 
 
@@ -121,6 +132,34 @@ ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)
 Removal = Literal["visit", "kit", "tow"]
 
 
+class DisposalCircle(Record):
+    """A disposal orbit: the circle of an altitude."""
+
+    circle_m: Length
+
+
+class DisposalPerigee(Record):
+    """A disposal orbit: the perigee is lowered to an altitude, and the apogee stays."""
+
+    perigee_m: Length
+
+
+def _kind_of_disposal(given: Any) -> str | None:
+    stated = set(given) if isinstance(given, dict) else set(getattr(given, "model_fields_set", ()))
+    return {("circle_m",): "(circle)", ("perigee_m",): "(perigee)"}.get(tuple(sorted(stated)))
+
+
+Disposal = Annotated[
+    Annotated[DisposalCircle, Tag("(circle)")] | Annotated[DisposalPerigee, Tag("(perigee)")],
+    Discriminator(
+        _kind_of_disposal,
+        custom_error_type="disposal",
+        custom_error_message='must be {"circle_m": ALTITUDE} or {"perigee_m": ALTITUDE}',
+    ),
+]
+"""Where a towed object is released."""
+
+
 class Station(Record):
     """A refuelling station, where chasers may start; without an orbit if connections are given.
 
@@ -151,14 +190,14 @@ class Target(Record):
 
     Its service begins not before ``window_s`` opens and ends before it closes. ``required``: a plan
     has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without;
-    "tow": it carries the object, which has ``mass_kg``, down to the disposal altitude of the
-    mission and goes on from there. It may have no orbit where connections are given. ``object_id``
-    is its international designator, for exports. ``decay_m_per_day``: by what its semi-major axis
-    shrinks, which makes its phase quadratic in time. ``fit``: further numbers of a fit of its orbit
-    to an ephemeris. ``prize_until``: times and falling prizes, each of a service that ends by its
-    time, with the tow if there is one; ``prize`` is what is left after the last. ``success``: the
-    chance that a capture succeeds, for rehearsals and plans with a confidence. None of the five is
-    in files that do not state it.
+    "tow": it carries the object, which has ``mass_kg``, to its ``disposal``, by default the
+    mission's, and goes on from there. It may have no orbit where connections are given.
+    ``object_id`` is its international designator, for exports. ``decay_m_per_day``: by what its
+    semi-major axis shrinks, which makes its phase quadratic in time. ``fit``: further numbers of a
+    fit of its orbit to an ephemeris. ``prize_until``: times and falling prizes, each of a service
+    that ends by its time, with the tow if there is one; ``prize`` is what is left after the last.
+    ``success``: the chance that a capture succeeds, for rehearsals and plans with a confidence.
+    None of these six is in files that do not state it.
     """
 
     name: Name
@@ -173,6 +212,7 @@ class Target(Record):
     fit: Fit | None = None
     prize_until: PrizesUntil | None = None
     success: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    disposal: Disposal | None = None
 
     def prize_at(self, end_s: float) -> float:
         """The prize of a service by its end, with the tow if there is one [s]."""
@@ -195,7 +235,10 @@ class Target(Record):
 
     @model_serializer(mode="wrap")
     def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "object_id", "decay_m_per_day", "fit", "prize_until", "success")
+        return without(
+            write(self),
+            *("object_id", "decay_m_per_day", "fit", "prize_until", "success", "disposal"),
+        )
 
     @model_validator(mode="after")
     def _has_what_decays(self) -> Self:

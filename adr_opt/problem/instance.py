@@ -25,11 +25,11 @@ from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.orbits.eccentricity import matchings
 from ..kernels.orbits.ephemeris import EPOCH_S
 from .chasers import availability
+from .format_2 import FORMAT as FORMAT
 from .given import Given, only
 from .given_files import read_named, write_given
 from .given_functions import read_functions, write_functions
 from .instance_arrays import KeptRows, rule_of
-from .instance_file import FORMAT as FORMAT
 from .instance_file import InstanceFile
 from .numbering import Numbering
 from .orbit import Orbit

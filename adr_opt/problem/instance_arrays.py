@@ -108,7 +108,7 @@ def rule_of(
     return TransferRule(
         settings.first_leg_fraction,
         settings.standoff_m,
-        settings.safety_ellipse_revolutions,
+        0.5,
         settings.max_phasing_revolutions,
         EARTH_RADIUS_M + settings.min_altitude_m,
         EARTH_RADIUS_M + settings.max_altitude_m,

@@ -1,7 +1,8 @@
 """Content of an instance file: fields, their consistency, and bytes.
 
-The pydantic models of ``adr-opt-instance/2`` stand here and in :mod:`.frame`, :mod:`.orbit`,
-:mod:`.bodies`, :mod:`.chasers` and :mod:`.settings`.
+The pydantic models of ``adr-opt-instance/3`` stand here and in :mod:`.frame`, :mod:`.orbit`,
+:mod:`.bodies`, :mod:`.chasers` and :mod:`.settings`; :mod:`.format_2` reads and writes files of
+``/2``.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ from ..common.errors import InputError
 from ..common.files import to_text
 from ..common.records import Name, Record, without
 from ..common.tolerance import check_prizes
+from . import format_2
 from .agreement import (
+    check_approach,
     check_decay,
     check_expense,
     check_falling_prizes,
@@ -28,14 +31,12 @@ from .agreement import (
     check_stations,
     check_thrust,
 )
-from .bodies import Station, Target
+from .bodies import Disposal, DisposalCircle, Station, Target
 from .chasers import Chaser, TankByMass
 from .ephemerides import EphemeridesFile
 from .frame import Epoch, Frame
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 from .transfer_sizes import default_step_s
-
-FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
 
 
 class InstanceFile(Record):
@@ -46,7 +47,7 @@ class InstanceFile(Record):
     orbits were fitted; not written either if there are none.
     """
 
-    format: Literal["adr-opt-instance/2"] = FORMAT
+    format: Literal["adr-opt-instance/3"] = format_2.FORMAT
     name: Name
     epoch: Epoch
     frame: Frame | None = None
@@ -113,7 +114,18 @@ class InstanceFile(Record):
         check_removals(
             self.targets, self.chasers, self.mission, self.transfer, zones=bool(self.keep_out_zones)
         )
+        check_approach(self.transfer, [*self.stations, *self.targets])
         return self
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Read an instance from a JSON text; raises as :func:`.format_2.read`."""
+        return format_2.read(cls, text)
+
+    @classmethod
+    def json_schema(cls) -> dict[str, Any]:
+        """The JSON Schema of files of this format and of ``adr-opt-instance/2``."""
+        return format_2.described(super().json_schema())
 
     def __eq__(self, other: object) -> bool:
         """Whether both describe the same mission; the value of an hour is not part of it."""
@@ -189,6 +201,18 @@ class InstanceFile(Record):
             return 0.0
         return self.transfer.delta_v_resolution_m_s / duration_s
 
+    def disposal_of(self, target: Target) -> Disposal | None:
+        """Disposal orbit of a target if it is towed: its own, or the mission's."""
+        return target.disposal or self.mission.disposal
+
+    def circle_m(self, target: Target | str) -> float:
+        """Altitude of the circle that a towed target, or one of a name, is released on [m]."""
+        if isinstance(target, str):
+            target = next(each for each in self.targets if each.name == target)
+        disposal = self.disposal_of(target)
+        assert isinstance(disposal, DisposalCircle)
+        return disposal.circle_m
+
     @property
     def largest_tank_m_s(self) -> float:
         """Largest ΔV that a chaser has at once [m/s]."""
@@ -200,8 +224,8 @@ class InstanceFile(Record):
         return tuple(station.name for station in self.stations)
 
     def to_json(self) -> str:
-        """The instance file, the same bytes on every machine."""
-        return to_text(self.model_dump(mode="json"))
+        """The instance file in the oldest format that can say it, the same bytes everywhere."""
+        return to_text(format_2.written(self.model_dump(mode="json")))
 
     @property
     def sha256(self) -> str:

@@ -43,7 +43,7 @@ def least_end_s(instance: Instance) -> float | None:
         flight: FloatArray | float = 0.0
         if not chaser.is_launched:
             first = _half(0.5 * (radii[start] + low))
-            flight = first + last_two + rule.safety_ellipse_revolutions * periods
+            flight = first + last_two + 0.5 * periods
         found.append(max(since, 0.0) + NODAL_SHARE * float((flight + service).min()))
     return min(found)
 

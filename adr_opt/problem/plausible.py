@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 from ..common.constants import DAY_S, EARTH_RADIUS_M, HOUR_S
+from .bodies import DisposalCircle
 from .chasers import InOrbit, TankByMass
 from .instance import Instance
 
@@ -66,9 +67,11 @@ def _chemical(instance: Instance) -> Iterator[tuple[str, float]]:
 
 
 def _altitudes(instance: Instance) -> Iterator[tuple[str, float]]:
-    disposal_m = instance.mission.disposal_altitude_m
-    if disposal_m is not None:
-        yield "mission.disposal_altitude_m", disposal_m
+    places = [("mission", instance.mission.disposal)]
+    places += [(f"targets[{at}]", each.disposal) for at, each in enumerate(instance.targets)]
+    for place, disposal in places:
+        if isinstance(disposal, DisposalCircle):
+            yield f"{place}.disposal.circle_m", disposal.circle_m
     for name in ("min_altitude_m", "max_altitude_m"):
         yield f"transfer.{name}", getattr(instance.transfer, name)
         for number, zone in enumerate(instance.keep_out_zones):

@@ -173,7 +173,7 @@ RULES = {
         _at(
             "transfer",
             (
-                "first_leg_fraction standoff_m safety_ellipse_revolutions max_phasing_revolutions "
+                "first_leg_fraction standoff_m max_phasing_revolutions "
                 "min_altitude_m max_altitude_m delta_v_resolution_m_s departure_spacing_s"
             ),
         ),
@@ -261,7 +261,10 @@ RULES = {
     "several chasers": Rule(("chasers",), lambda i: len(i.chasers) > 1, "keep only one"),
     "kits": Rule(("chasers[].kits", "chasers[].kit_mass_kg", "targets[].removal"), _kits_count),
     "tows": Rule(
-        ("targets[].removal", "mission.disposal_altitude_m"),
+        (
+            *("targets[].removal", "targets[].disposal", "mission.disposal"),
+            *("targets[].disposal.circle_m", "mission.disposal.circle_m"),
+        ),
         lambda i: any(target.service.is_flown for target in i.targets),
         "choose another removal",
     ),
@@ -286,6 +289,22 @@ RULES = {
     "longest leg": Rule(("transfer.max_leg_s",), lambda i: i.transfer.max_leg_s is not None),
     "missions apart": Rule(
         ("mission.mission_separation_s",), lambda i: i.mission.mission_separation_s is not None
+    ),
+    "safety ellipse": Rule(
+        _at("transfer", "approach keep_out_m approach_revolutions inspection_revolutions"),
+        lambda i: i.transfer.approach == "safety-ellipse",
+        'write "half-lap"',
+    ),
+    "free burns": Rule(
+        ("transfer.burns",), lambda i: i.transfer.burns == "free", 'write "sequence"'
+    ),
+    "disposal by perigee": Rule(
+        ("mission.disposal.perigee_m", "targets[].disposal.perigee_m"),
+        lambda i: any(
+            target.service.is_flown and hasattr(i.disposal_of(target), "perigee_m")
+            for target in i.targets
+        ),
+        'give {"circle_m": ALTITUDE}',
     ),
     # What some follow each alone, and not together.
     "rules of tours beyond tours": Rule(

@@ -19,7 +19,9 @@ from ..common.records import (
     Positive,
     Record,
     without,
+    without_usual,
 )
+from .bodies import Disposal
 
 SPENT_BY_DRIFTING, REFUELLED = 0.8, 3.0
 """Value of an hour where planes drift, as a multiple of a tank over the mission; the second
@@ -76,7 +78,7 @@ def check_time_value(time_value_m_s_per_h: float) -> None:
 NOT_WRITTEN = (
     "service_revolutions",
     "service_s",
-    "disposal_altitude_m",
+    "disposal",
     "launch_separation_s",
     "mission_separation_s",
 )
@@ -90,10 +92,10 @@ class MissionSettings(Record):
     """Duration of the mission, and time spent at bodies.
 
     Either ``service_revolutions``, in periods of the target, or ``service_s``; the other is None
-    and not in the file. Nor is ``disposal_altitude_m``, that of the circles that objects are towed
-    to, where it is None. With ``launch_separation_s``, 0 included, chasers are launched in the
-    order of the file, each not less than that after the one before it; with None, which is not in
-    the file either, each by itself.
+    and not in the file. Nor is ``disposal``, the orbit that objects are towed to but for those that
+    name their own, where it is None. With ``launch_separation_s``, 0 included, chasers are launched
+    in the order of the file, each not less than that after the one before it; with None, which is
+    not in the file either, each by itself.
     With ``mission_separation_s`` each launch has a time of the plan's choice instead, in any order,
     and follows the last service of every chaser launched before it by no less than that.
     """
@@ -102,7 +104,7 @@ class MissionSettings(Record):
     service_revolutions: NonNegative | None = 1.0
     service_s: NonNegative | None = None
     refuel_revolutions: NonNegative = 1.0
-    disposal_altitude_m: Length | None = None
+    disposal: Disposal | None = None
     launch_separation_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
     mission_separation_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
 
@@ -138,15 +140,27 @@ class MissionSettings(Record):
         return without(write(self), *NOT_WRITTEN)
 
 
+OF_THE_ELLIPSE = ("keep_out_m", "approach_revolutions", "inspection_revolutions")
+"""Parameters of a safety ellipse alone."""
+
+
 class SequenceSettings(Record):
-    """Parameters of the co-elliptic sequence (docs/model.md section 2)."""
+    """Parameters of the co-elliptic sequence and of the approach (docs/model.md section 2).
+
+    The ``approach`` "half-lap" ends in the target. "safety-ellipse" passes round it, whichever burn
+    is missed no nearer than ``keep_out_m``, after a drift of ``approach_revolutions``, with
+    ``inspection_revolutions`` on the ellipse. Neither is in files that do not state it.
+    """
 
     first_leg_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.75
     standoff_m: NonNegative = 1000.0
-    safety_ellipse_revolutions: Positive = 0.5
     max_phasing_revolutions: Annotated[int, Field(ge=0, le=100)] = 12
     min_altitude_m: Length = 300e3
     max_altitude_m: Length = 2000e3
+    approach: Literal["half-lap", "safety-ellipse"] = "half-lap"
+    keep_out_m: Positive = 200.0
+    approach_revolutions: Annotated[int, Field(ge=1, le=100)] = 2
+    inspection_revolutions: Annotated[int, Field(ge=0, le=100)] = 0
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -155,11 +169,13 @@ class SequenceSettings(Record):
                 f"max_altitude_m = {self.max_altitude_m!r} must be greater than "
                 f"min_altitude_m = {self.min_altitude_m!r}"
             )
-        if self.safety_ellipse_revolutions % 1.0 != 0.5:
-            raise ValueError(
-                f"safety_ellipse_revolutions = {self.safety_ellipse_revolutions!r} must be 0.5 "
-                "plus whole inspection laps (0.5, 1.5, …)"
-            )
+        if self.approach == "half-lap":
+            for name in OF_THE_ELLIPSE:
+                if (value := getattr(self, name)) != type(self).model_fields[name].default:
+                    raise ValueError(
+                        f"{name} = {value!r}: half laps have none; leave it out, or write approach "
+                        '"safety-ellipse"'
+                    )
         return self
 
 
@@ -202,7 +218,9 @@ class TransferSettings(SequenceSettings):
     Beside those of the co-elliptic sequence: a connection that another one dominates up to
     ``delta_v_resolution_m_s`` is left out, and departures of a pair lie no closer than
     ``departure_spacing_s``. Then come the grid of transfers that drift and the longest time that
-    one may take, 0 for none. Classes of the mass of chasers with low thrust are no wider than a
+    one may take, 0 for none. ``burns``: whether short legs fly the planned "sequence", or a plan
+    prices and judges "free" ones, which refinement finds; not in files that do not state it.
+    Classes of the mass of chasers with low thrust are no wider than a
     share ``mass_class`` (:data:`.drives.CLASS_WIDTH` if None, and then not in the file). From the
     arrival at one body to that at the next no more than ``max_leg_s`` may pass, waiting and service
     included; it is not in the file if None. Where connections are ``given``, they are those; the
@@ -215,6 +233,7 @@ class TransferSettings(SequenceSettings):
     max_drift_s: NonNegative = 0.0
     mass_class: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_CLASS)] | None = None
     max_leg_s: Annotated[float, Field(gt=0.0, le=LARGEST_DURATION_S)] | None = None
+    burns: Literal["sequence", "free"] = "sequence"
     given: GivenFile | None = None
 
     @property
@@ -227,7 +246,8 @@ class TransferSettings(SequenceSettings):
 
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "mass_class", "max_leg_s", "given")
+        content = without(write(self), "mass_class", "max_leg_s", "given")
+        return without_usual(self, content, "approach", *OF_THE_ELLIPSE, "burns")
 
 
 class Objective(Record):

@@ -9,6 +9,7 @@ from ..common.constants import DAY_S
 from ..common.errors import InputError
 
 if TYPE_CHECKING:
+    from ..problem.bodies import Disposal
     from ..problem.chasers import AnyTank, Expense
     from .catalogue import Crew, Demands
 
@@ -26,9 +27,12 @@ class Fitting(NamedTuple):
     disposal_altitude: float | None
 
     @property
-    def disposal_altitude_m(self) -> float | None:
-        """The disposal altitude [m]."""
-        return None if self.disposal_altitude is None else 1e3 * self.disposal_altitude
+    def disposal(self) -> Disposal | None:
+        """The disposal orbit."""
+        from ..problem.bodies import DisposalCircle
+
+        altitude = self.disposal_altitude
+        return None if altitude is None else DisposalCircle(circle_m=1e3 * altitude)
 
     def check(self, *, kits: bool = False, by_mass: bool = False) -> None:
         """Refuse values out of range, or without effect unless another option is given.
@@ -178,7 +182,7 @@ class CrewOptions(NamedTuple):
             expense=self._expense(tank),
             separation_s=None if separation is None else DAY_S * separation,
             towed_kg=fitting.tow,
-            disposal_altitude_m=fitting.disposal_altitude_m,
+            disposal=fitting.disposal,
             service_s=None if self.service_days is None else DAY_S * self.service_days,
             thrust_n=self.thrust,
             duty_cycle=self.duty_cycle,

@@ -160,10 +160,10 @@ def check_objects(names: Iterable[str], max_targets: int | None) -> None:
 
 
 OPTIONS = {
+    "circle_m": "--disposal-altitude",
     "delta_v_m_s": "--delta-v",
     "delta_v_resolution_m_s": "--resolution",
     "departure_spacing_s": "--departure-spacing-days",
-    "disposal_altitude_m": "--disposal-altitude",
     "drift_step_s": "--drift-step-days",
     "dry_mass_kg": "--dry-mass",
     "duration_s": "--duration-days",

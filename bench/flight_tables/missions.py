@@ -15,8 +15,8 @@ from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.fly.flight import TankFlight, fly, fly_refined
 from adr_opt.fly.flight.refined_result import MOST_RELEASE_ECCENTRICITY
 from adr_opt.fly.refine.bodies import state_of
-from adr_opt.fly.refine.troubles import FIELDS
 from adr_opt.judge.refined.release import released
+from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.problem.transfer_sizes import transfers_for
 
 INCLINATIONS_DEG = (71.0, 86.4, 98.0)
@@ -88,9 +88,9 @@ def mission(seed: int, days: int, removal: str = "visit") -> adr_opt.Instance:
             target |= {"removal": removal, "mass_kg": MASS_KG}
     asked = {"duration_s": days * DAY_S, "service_s": 0.25 * DAY_S}
     if removal == "tow":
-        asked["disposal_altitude_m"] = DISPOSAL_M
+        asked["disposal"] = {"circle_m": DISPOSAL_M}
     made = {
-        "format": "adr-opt-instance/2",
+        "format": "adr-opt-instance/3",
         "name": f"drawn-{days}-{seed}-{removal}",
         "epoch": "2026-01-01T00:00:00Z",
         "dynamics": "j2",

@@ -15,6 +15,7 @@ from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.legs import drift as drifting
 from adr_opt.kernels.legs import drift_pair
+from adr_opt.kernels.legs.co_elliptic import TransferRule
 from adr_opt.legs.families.drift_burns import flown
 from adr_opt.problem.orbit import Orbit
 
@@ -73,7 +74,7 @@ def _body(rng: np.random.Generator, inclination_deg: float, raan_deg: float) -> 
     return np.array(orbit.row(OBLATENESS_M2))
 
 
-def _burns(rule: drift_pair.TransferRule, number: int) -> None:
+def _burns(rule: TransferRule, number: int) -> None:
     """Print what the burns of random drifts add up to, against the closed form, by its classes."""
     head("inclination", "closed form", "legs", "total", "least", "largest")
     whole, unmet = np.zeros(2), 0
@@ -108,7 +109,7 @@ def _burns(rule: drift_pair.TransferRule, number: int) -> None:
     print(f"\nNo burns were found for {unmet}.")
 
 
-def _later(rule: drift_pair.TransferRule, number: int) -> None:
+def _later(rule: TransferRule, number: int) -> None:
     """Print what leaving later and arriving earlier would save, by the closed form."""
     rng, rows = np.random.default_rng(3), list[tuple[float, float, float]]()
     free = np.linspace(0.0, 0.5 * DAY_S, 13)

@@ -16,7 +16,7 @@ import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.legs import drift_pair, low_thrust_split, low_thrust_windows
-from adr_opt.kernels.legs import low_thrust as thrusting
+from adr_opt.kernels.legs import low_thrust as split_legs
 from adr_opt.kernels.legs.low_thrust_arcs import Thrust, weighted
 from adr_opt.kernels.legs.low_thrust_windows import WINDOWS_RAD, prepare
 from adr_opt.problem.orbit import Orbit
@@ -129,7 +129,7 @@ def flown(start, span, push, turn, times, yaws, places):
 
 
 def optimum(
-    pair: Pair, thrust: Thrust, window: float, guess: low_thrust.LowThrustSplit, node: float
+    pair: Pair, thrust: Thrust, window: float, guess: low_thrust_split.LowThrustSplit, node: float
 ) -> float:
     """Least ΔV of the averaged equations, from the closed form; infinite if none was found [m/s].
 
@@ -215,7 +215,7 @@ def repeated(pair, thrust, departures, arrivals):
     total = 0.0
     for departure in departures:
         for arrival in arrivals:
-            found = low_thrust.delta_v(pair, thrust, departure, arrival)
+            found = split_legs.delta_v(pair, thrust, departure, arrival)
             if found < math.inf:
                 total += found
     return total
@@ -224,11 +224,11 @@ def repeated(pair, thrust, departures, arrivals):
 @kernel
 def bound_and_costs(pair, lightest, masses, departure, arrival):
     """The lower bound for all masses, and the least ΔV and its time of thrust for some of them."""
-    bound = low_thrust.bound_below(pair, lightest, departure, arrival, math.inf)
+    bound = split_legs.bound_below(pair, lightest, departure, arrival, math.inf)
     least, thrusting = math.inf, 0.0
     for mass in masses:
         thrust = Thrust(lightest.acceleration / mass, lightest.exhaust)
-        found = low_thrust.leg_between(pair, thrust, departure, arrival).split
+        found = split_legs.leg_between(pair, thrust, departure, arrival).split
         if found.delta_v < least:
             least, thrusting = found.delta_v, found.times.first + found.times.second
     return bound, least, thrusting
@@ -291,8 +291,8 @@ def _masses(rule: NamedTuple, number: int) -> None:
             pair = drawn(rng)
             bodies = body_row(pair.first, 0.0), body_row(pair.second, rng.uniform(0.0, 360.0))
             made = prepare(*bodies, rule, rng.uniform(0.0, 365.0) * DAY_S, 0.0)
-            both = (Thrust(pair.acceleration / each, EXHAUST_M_S) for each in (1.0, mass))
-            costs.append([thrusting.delta_v(made, each, 0.0, pair.span) for each in both])
+            thrusts = (Thrust(pair.acceleration / each, EXHAUST_M_S) for each in (1.0, mass))
+            costs.append([split_legs.delta_v(made, each, 0.0, pair.span) for each in thrusts])
         known = np.array(costs)
         both = known[np.isfinite(known).all(axis=1)]
         least = both.min(axis=1)  # a lighter chaser may throttle

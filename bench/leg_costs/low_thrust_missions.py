@@ -48,7 +48,7 @@ def removing(seed: int, removal: str) -> Instance:
     content = field.model_dump(mode="json") | {"targets": bodies, "chasers": [tug], "stations": []}
     content["mission"] = {"duration_s": duration_s, "service_s": DAY_S}
     if removal == "tow":
-        content["mission"] |= {"disposal_altitude_m": 4.5e5}
+        content["mission"] |= {"disposal": {"circle_m": 4.5e5}}
     content["transfer"] |= {
         "max_drift_s": duration_s,
         "drift_step_s": duration_s / 20,
@@ -147,7 +147,7 @@ def single(rng: np.random.Generator, eccentricity: float) -> Instance:
     tank = {"dry_mass_kg": DRY_KG, "propellant_kg": PROPELLANT_KG, "isp_s": ISP_S}
     return instance_of(
         {
-            "format": "adr-opt-instance/2",
+            "format": "adr-opt-instance/3",
             "name": "leg",
             "epoch": f"2027-{rng.integers(1, 13):02d}-01T00:00:00Z",
             "dynamics": "j2",

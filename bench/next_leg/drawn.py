@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from adr_opt.learning.environment.fields import FIRST_SEED, LAST_SEED, VARIED
+from adr_opt.problem.bodies import DisposalCircle
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
@@ -98,7 +99,7 @@ def _of_kind(kind: str, rng: np.random.Generator) -> Instance:
             chasers=chasers,
             tank=tank,
             towed_kg=float(rng.uniform(50.0, 300.0)),
-            disposal_altitude_m=500e3,
+            disposal=DisposalCircle(circle_m=500e3),
         )
     return generate(kind, seed)
 

@@ -21,6 +21,7 @@ import adr_opt
 from adr_opt.common.files import write_text
 from adr_opt.mission.result import Result
 from adr_opt.plan.routes import routes_of
+from adr_opt.problem.bodies import DisposalCircle
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import TransferSettings
@@ -76,7 +77,7 @@ def mission(typed: argparse.Namespace, drive: Drive) -> Instance:
             ),
             launches=1,
             towed_kg=1.0,
-            disposal_altitude_m=1e3 * typed.disposal_altitude,
+            disposal=DisposalCircle(circle_m=1e3 * typed.disposal_altitude),
             service_s=SERVICE_S,
             thrust_n=drive.thrust_n,
         ),

@@ -45,7 +45,7 @@ FIELDS = {
         "tiny",
         0,
         towed_kg=200.0,
-        disposal_altitude_m=400e3,
+        disposal={"circle_m": 400e3},
         tank={"dry_mass_kg": 800.0, "propellant_kg": 2000.0, "isp_s": 310.0},
     ),
 }

@@ -13,10 +13,10 @@ from two_chasers import HOME, OWN, campaign, planned
 
 import adr_opt
 from adr_opt.analysis import orders_of, price, read_orders
-from adr_opt.analysis.remedies import PRECISION_M_S
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.mission.mission import Mission
+from adr_opt.mission.relaxed import PRECISION_M_S
 from adr_opt.problem.chasers import InOrbit, TankByMass
 from adr_opt.problem.settings import MissionSettings
 from adr_opt.ui.cli.timeline import clock
@@ -279,7 +279,7 @@ def test_the_total_counts_tows(cli: Cli) -> None:
             ),
         ),
         targets=tuple(target.replace(removal="tow", mass_kg=250.0) for target in field.targets),
-        mission=field.mission.replace(disposal_altitude_m=450e3),
+        mission=field.mission.replace(disposal={"circle_m": 450e3}),
     )
     order = ("debris-001", "debris-003")
     plan = priced(instance, *order).plan()

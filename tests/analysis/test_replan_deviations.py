@@ -360,7 +360,7 @@ def towed() -> tuple[Instance, Plan]:
         targets=tuple(
             target.replace(removal="tow", mass_kg=250.0, required=False) for target in field.targets
         ),
-        mission=field.mission.replace(disposal_altitude_m=450e3),
+        mission=field.mission.replace(disposal={"circle_m": 450e3}),
     )
     plan = adr_opt.solve(instance, "exact", time_limit=30.0).plan
     assert plan is not None

@@ -93,7 +93,7 @@ def simple(seed: int, dynamics: str = "two-body") -> tuple[Instance, Plan]:
             )
             for number, target in enumerate(field.targets)
         ),
-        mission=field.mission.replace(disposal_altitude_m=450e3),
+        mission=field.mission.replace(disposal={"circle_m": 450e3}),
     )
     plan = adr_opt.solve(instance, "exact", time_limit=30.0).plan
     assert plan is not None

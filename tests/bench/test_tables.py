@@ -41,6 +41,23 @@ def test_arguments_of_a_table_are_words_and_options(capsys) -> None:
             tables.experiment("text", one, argv=wrong)
 
 
+def test_help_says_what_tables_say(capsys) -> None:
+    """A per cent sign in what a script, a table or a default says is printed as it stands."""
+
+    def one(kind: str = "5 %,") -> None:
+        """Within 95 %, mostly."""
+
+    with pytest.raises(SystemExit) as ended:
+        tables.experiment("Total 3 %, at least.", one, test_rows_are_made_once, argv=["--help"])
+    assert ended.value.code == 0
+    said = capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        tables.experiment("", one, argv=["--help"])
+    said += capsys.readouterr().out
+    for each in ("Total 3 %, at least.", "Within 95 %, mostly.", "[5 %,]"):
+        assert each in said
+
+
 def test_wrong_input_is_a_sentence(capsys) -> None:
     """What a table refuses is printed, with exit status 2; its own status is handed on."""
 

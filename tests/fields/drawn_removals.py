@@ -54,7 +54,7 @@ def drawn_removal(seed: int) -> Instance:
         duration_s=duration_s,
         service_revolutions=1.0 if short else None,
         service_s=None if short else float(rng.choice([0.25, 1.0])) * DAY_S,
-        disposal_altitude_m=float(rng.uniform(max(lowest_m - 400e3, 300e3), lowest_m - 5e3))
+        disposal={"circle_m": float(rng.uniform(max(lowest_m - 400e3, 300e3), lowest_m - 5e3))}
         if "tow" in kinds
         else None,
     )

@@ -67,7 +67,7 @@ def electric(
     content = field.model_dump(mode="json") | {"targets": bodies, "chasers": fleet, "stations": []}
     content["mission"] = {"duration_s": duration, "service_s": DAY_S}
     if tows:
-        content["mission"] |= {"disposal_altitude_m": 4.5e5}
+        content["mission"] |= {"disposal": {"circle_m": 4.5e5}}
     content["transfer"] |= {
         "max_drift_s": duration,
         "drift_step_s": duration / STEPS,

@@ -491,7 +491,7 @@ def towing(instance: Instance, seed: int) -> Instance:
         name=f"{instance.name}-with-tows",
         targets=targets,
         chasers=tuple(chasers),
-        mission=instance.mission.replace(disposal_altitude_m=altitude),
+        mission=instance.mission.replace(disposal={"circle_m": altitude}),
         keep_out_zones=(),
     )
 

@@ -27,7 +27,7 @@ def field(dynamics: str = "two-body", every: int = 2) -> Instance:
             for number, target in enumerate(drawn.targets)
         ),
         chasers=(drawn.chaser.replace(tank=TANK),),
-        mission=drawn.mission.replace(disposal_altitude_m=450e3),
+        mission=drawn.mission.replace(disposal={"circle_m": 450e3}),
     )
 
 

@@ -108,18 +108,6 @@ def test_an_eccentric_orbit_flies_as_the_circle_of_its_mean_body() -> None:
     assert_flies(fly(instance, plan), plan.legs)
 
 
-def test_whole_inspection_laps_fly() -> None:
-    """A safety ellipse of 2.5 laps ends at the target as one of half a lap does."""
-    instance = adr_opt.generate("tiny", 5)
-    instance = instance.replace(
-        transfer=instance.transfer.replace(safety_ellipse_revolutions=2.5, standoff_m=200.0)
-    )
-    plan = solved(instance)
-    flight = fly(instance, plan)
-    assert_flies(flight, plan.legs)
-    assert max(leg.arrival_miss_m for leg in flight.legs) < 0.02
-
-
 def test_the_approach_does_not_hide_in_the_arrival(tiny: Instance, plan: Plan) -> None:
     """Without its first impulse the approach stays where it begins, L behind the target."""
     leg = plan.legs[0]

@@ -37,6 +37,7 @@ from adr_opt.judge.refined import check_refined
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import Missing, RefinedPlan
+from adr_opt.problem.bodies import DisposalCircle
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.frame_rotation import from_gcrf, teme_axes
@@ -398,7 +399,7 @@ def test_tows_begin_where_sgp4_says(tmp_path: Path) -> None:
     (tmp_path / "all.json").write_text(as_json(round_ones), encoding="utf-8")
     outline = catalogue.MissionOutline(epoch=EPOCH, duration_s=3.0 * DAY_S)
     tank = TankByMass(dry_mass_kg=500.0, propellant_kg=1000.0, isp_s=310.0)
-    crew = catalogue.Crew(tank=tank, towed_kg=100.0, disposal_altitude_m=450e3)
+    crew = catalogue.Crew(tank=tank, towed_kg=100.0, disposal=DisposalCircle(circle_m=450e3))
     made = catalogue.to_instance(catalogue.read(tmp_path / "all.json"), mission=outline, crew=crew)
     with_ephemerides(made, tmp_path / "my.json").write(tmp_path / "my.json")
     instance = adr_opt.load(tmp_path / "my.json")

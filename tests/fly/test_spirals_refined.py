@@ -83,7 +83,7 @@ def test_legs_and_spirals_are_flown() -> None:
 def test_spirals_end_on_the_circle_of_disposal() -> None:
     """Mean elements at the release are those of disposal; the judge's means agree to metres."""
     instance, _ = mission()
-    disposal = EARTH_RADIUS_M + (instance.mission.disposal_altitude_m or 0.0)
+    disposal = EARTH_RADIUS_M + instance.circle_m(instance.targets[0])
     flight = fly_refined(instance, refined())
     for leg, tow in spirals():
         mean = near_circle(state_of(tow.released), FIELDS["j2"])
@@ -166,9 +166,10 @@ def test_thrust_that_the_chaser_has_not_is_refused(changes: dict[str, float], sa
 def test_a_release_off_the_disposal_orbit_does_not_hold() -> None:
     """A mission that wants another altitude finds objects released off it."""
     instance, _ = mission()
-    altitude = instance.mission.disposal_altitude_m
-    assert altitude is not None
-    higher = instance.replace(mission=instance.mission.replace(disposal_altitude_m=altitude + 2e3))
+    altitude = instance.circle_m(instance.targets[0])
+    higher = instance.replace(
+        mission=instance.mission.replace(disposal={"circle_m": altitude + 2e3})
+    )
     reference = refined().instance.replace(sha256=higher.sha256)
     flight = fly_refined(higher, refined().replace(instance=reference))
     assert len(flight.off_disposal) == len(spirals())

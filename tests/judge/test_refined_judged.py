@@ -234,8 +234,8 @@ def test_a_leg_that_comes_down_is_missing() -> None:
 def test_a_release_off_the_circle_is_found() -> None:
     """An object that is let go more than 10 km off the circle of disposal breaks a rule."""
     instance, plan, refined = case("tows", 0)
-    circle = (instance.mission.disposal_altitude_m or 0.0) + MOST_RELEASE_OFF_M + 500.0
-    other = instance.replace(mission=instance.mission.replace(disposal_altitude_m=circle))
+    circle = instance.circle_m(instance.targets[0]) + MOST_RELEASE_OFF_M + 500.0
+    other = instance.replace(mission=instance.mission.replace(disposal={"circle_m": circle}))
     told = plan.replace(instance=plan.instance.replace(sha256=other.sha256))
     again = refined.replace(instance=told.instance, plan=reference(told))
     assert "release" in rules(other, told, again)

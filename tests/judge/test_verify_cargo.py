@@ -189,7 +189,7 @@ def delta_v_of_tow(instance: Instance, body: int) -> float:
     """Of half an ellipse between the circle of an object and the disposal orbit [m/s]."""
     orbit = instance.known_orbits[body]
     assert orbit is not None
-    high, low = orbit.semi_major_axis_m, 6378137.0 + float(instance.mission.disposal_altitude_m)
+    high, low = orbit.semi_major_axis_m, 6378137.0 + instance.mission.disposal.circle_m
     mu, axis = 398600.4418e9, 0.5 * (high + low)
     slower = math.sqrt(mu / high) - math.sqrt(mu * (2.0 / high - 1.0 / axis))
     return slower + math.sqrt(mu * (2.0 / low - 1.0 / axis)) - math.sqrt(mu / low)

@@ -90,7 +90,7 @@ def test_what_an_hour_is_worth() -> None:
         {"max_phasing_revolutions": 0},
         {"first_leg_fraction": 0.0, "max_phasing_revolutions": 3},
         {"first_leg_fraction": 1.0, "max_phasing_revolutions": 3},
-        {"standoff_m": 5000.0, "safety_ellipse_revolutions": 1.5, "max_phasing_revolutions": 3},
+        {"standoff_m": 5000.0, "max_phasing_revolutions": 3},
         {"min_altitude_m": 650e3, "max_altitude_m": 900e3},
     ],
     ids=lambda settings: next(iter(settings)),

@@ -167,7 +167,7 @@ def tows() -> Instance:
     """Two rocket bodies to tow down in two years, with a large tank."""
     tank = TankByMass(dry_mass_kg=1000.0, propellant_kg=3000.0, isp_s=310.0)
     field = adr_opt.generate(
-        "rocket-bodies", seed=0, towed_kg=1400.0, disposal_altitude_m=350e3, tank=tank
+        "rocket-bodies", seed=0, towed_kg=1400.0, disposal={"circle_m": 350e3}, tank=tank
     )
     first = field.first_target
     return field.part([field.names[first + at] for at in (13, 16)])

@@ -43,7 +43,10 @@ def tow_of(target: Target, instance: Instance) -> Tow:
     """A tow: half an ellipse between two circles."""
     assert target.orbit is not None
     assert target.mass_kg is not None
-    high, low = target.orbit.semi_major_axis_m, 6378137.0 + instance.mission.disposal_altitude_m
+    high, low = (
+        target.orbit.semi_major_axis_m,
+        6378137.0 + (target.disposal or instance.mission.disposal).circle_m,
+    )
     mu, axis = 398600.4418e9, 0.5 * (high + low)
     delta_v = math.sqrt(mu / high) * (1.0 - math.sqrt(low / axis)) + math.sqrt(mu / low) * (
         math.sqrt(high / axis) - 1.0

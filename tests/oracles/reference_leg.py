@@ -93,7 +93,7 @@ def reference_leg(
     if not math.isfinite(best_delta_v):
         return math.inf, math.inf
     # 3. The approach: two radial impulses of n L / 4.
-    approach = rule.safety_ellipse_revolutions * target.period.to_value(u.s)
+    approach = 0.5 * target.period.to_value(u.s)
     return best_delta_v + 0.5 * rate * rule.standoff_m, departure + best[1] + approach
 
 

@@ -189,7 +189,7 @@ def test_a_trajectory_goes_on_through_tows(dynamics):
     tows = [arc for arc in arcs if arc.phase == "tow"]
     assert len(tows) == sum(leg.tow is not None for leg in plan.legs)
     for arc in tows:
-        radius_m = 6378137.0 + instance.mission.disposal_altitude_m
+        radius_m = 6378137.0 + instance.mission.disposal.circle_m
         assert np.linalg.norm(arc.positions_m[-1]) == pytest.approx(radius_m, abs=0.1)
     shown = segments(instance, plan)
     assert [one.phase for one in shown].count("tow") == len(tows)
@@ -286,9 +286,9 @@ def test_burns_of_tows_are_against_the_motion():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda i: {"mission": i.mission.replace(disposal_altitude_m=None)}, "disposal_altitude_m"),
-        (lambda i: {"mission": i.mission.replace(disposal_altitude_m=100e3)}, "altitude limits"),
-        (lambda i: {"mission": i.mission.replace(disposal_altitude_m=900e3)}, "must be below"),
+        (lambda i: {"mission": i.mission.replace(disposal=None)}, "mission.disposal"),
+        (lambda i: {"mission": i.mission.replace(disposal={"circle_m": 100e3})}, "altitude limits"),
+        (lambda i: {"mission": i.mission.replace(disposal={"circle_m": 900e3})}, "must be below"),
         (
             lambda i: {"targets": (i.targets[0].replace(mass_kg=None), *i.targets[1:])},
             r"targets\[0\].mass_kg: missing",

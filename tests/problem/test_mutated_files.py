@@ -250,7 +250,7 @@ def missions() -> Iterator[tuple[str, adr_opt.Instance, str]]:
         0,
         targets=4,
         towed_kg=1400.0,
-        disposal_altitude_m=350e3,
+        disposal={"circle_m": 350e3},
         tank=TankByMass(dry_mass_kg=1000.0, propellant_kg=3000.0, isp_s=310.0),
     )
     for name, instance, method in (

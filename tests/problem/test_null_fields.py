@@ -21,7 +21,7 @@ from adr_opt.problem.instance_file import InstanceFile
 NULL_IS_ZERO = {"decay_m_per_day"}
 """Fields that mean the same by null and by 0."""
 
-CHECKED_BEFORE = {"mass_kg", "disposal_altitude_m"}
+CHECKED_BEFORE = {"mass_kg", "disposal"}
 """Fields that stand in every instance with tows, and are of no account without."""
 
 SHOWN = {"thrust_n"}

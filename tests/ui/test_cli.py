@@ -41,6 +41,7 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
         "generate",
         "worth",
         "import",
+        "windows",
         "solve",
         "bound",
         "check",
@@ -261,7 +262,7 @@ def test_generate_fits_chasers_with_kits_and_tows(cli: Cli) -> None:
         plan = adr_opt.solve(made, "greedy-guarded").plan
         assert adr_opt.check(made, plan) == ()
         assert len(plan.legs) > 0
-    own = adr_opt.generate("removal", 0, targets=4, towed_kg=900.0, disposal_altitude_m=4e5)
+    own = adr_opt.generate("removal", 0, targets=4, towed_kg=900.0, disposal={"circle_m": 4e5})
     assert own.chasers[0].kits is None
     assert own.chasers[0].tank == adr_opt.generate("removal", 0).chasers[0].tank
     assert adr_opt.generate("tiny", 0) == drawn

@@ -106,7 +106,7 @@ VERBS_OF_PLANS = {
         (put("mission", "duration_s", None), "field mission.duration_s = null"),
         (put("targets", {}), "field targets: must be a JSON list"),
         (put("stations", 0, 3), "field stations[0] = 3: must be a JSON object"),
-        (put("format", "adr-opt-instance/3"), 'field format = "adr-opt-instance/3"'),
+        (put("format", "adr-opt-instance/4"), 'field format = "adr-opt-instance/4"'),
         (put("epoch", "2026-01-01T00:00:00"), "field epoch"),
         (put("epoch", 0), "field epoch = 0: must be a time like"),
         (put("epoch", "0"), 'field epoch = "0": must be a time like'),

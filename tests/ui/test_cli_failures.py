@@ -27,6 +27,7 @@ WORK = {
     "import": (["cloud.tle", "--out", "i.json"], CATALOGUE),
     "solve": (["tiny.json", "--method", "greedy"], "solvers.planners.greedy.greedy"),
     "bound": (["tiny.json"], "adr_opt.run.front.run"),
+    "windows": (["tiny.json", "--light"], READ),
     "check": (["tiny.json", "plan.json"], READ),
     "verify": (["tiny.json", "certificate.json"], READ),
     "price": (["tiny.json", "debris-001"], READ),

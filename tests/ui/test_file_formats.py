@@ -136,8 +136,8 @@ def test_other_numbers_are_refused(
     """Neither the reader nor the schema takes a file of another number, or of none."""
     content = _json(written[name])
     schema = json.loads(cli("schema", name).out)
-    kind, _, number = content["format"].rpartition("/")
-    wrong = [content | {"format": f"{kind}/{int(number) + 1}"}, content | {"format": "other/1"}]
+    kind = content["format"].rpartition("/")[0]
+    wrong = [content | {"format": f"{kind}/9"}, content | {"format": "other/1"}]
     for at, each in enumerate(wrong):
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(each, schema)

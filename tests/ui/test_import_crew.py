@@ -11,6 +11,7 @@ from catalogue_files import field
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.plan.cargo import loads_of
+from adr_opt.problem.bodies import DisposalCircle
 from adr_opt.problem.chasers import Expense, Tank, TankByMass
 from adr_opt.sources import catalogue
 
@@ -126,7 +127,7 @@ def test_tows_reach_the_instance(imported) -> None:
     outcome = imported(*MASSES, "--tow", "900", "--disposal-altitude", "450.5")
     assert outcome.status == 0, outcome
     instance = adr_opt.load("out.json")
-    assert instance.mission.disposal_altitude_m == 450.5e3
+    assert instance.mission.disposal == DisposalCircle(circle_m=450.5e3)
     assert {(target.removal, target.mass_kg) for target in instance.targets} == {("tow", 900.0)}
     assert loads_of(instance, instance.chaser, 0.0) is not None
 
@@ -239,8 +240,8 @@ def test_a_crew_in_python() -> None:
         lambda: catalogue.Crew(apart_s=-1.0),
         lambda: catalogue.Crew(kit_mass_kg=1.0),
         lambda: catalogue.Crew(towed_kg=1.0),
-        lambda: catalogue.Crew(towed_kg=1.0, disposal_altitude_m=5e5),
-        lambda: catalogue.Crew(kits=1, towed_kg=1.0, disposal_altitude_m=5e5),
+        lambda: catalogue.Crew(towed_kg=1.0, disposal=DisposalCircle(circle_m=5e5)),
+        lambda: catalogue.Crew(kits=1, towed_kg=1.0, disposal=DisposalCircle(circle_m=5e5)),
         lambda: catalogue.Demands({"x": 0.0}),
     ):
         with pytest.raises(adr_opt.InputError):

@@ -21,11 +21,11 @@ from adr_opt.problem.instance import Instance
 
 pytest.importorskip("plotly.graph_objects")
 
+from adr_opt.problem.sun import greenwich
 from adr_opt.ui.report import page
 from adr_opt.ui.report.assets import asset
 from adr_opt.ui.report.facts import facts
 from adr_opt.ui.report.sections import headline
-from adr_opt.ui.report.sun import greenwich
 
 DAY_S = 86400.0
 

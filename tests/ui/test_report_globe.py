@@ -20,7 +20,7 @@ from adr_opt.kernels.orbits.sunlight import shadow
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.instance import Instance
-from adr_opt.ui.report.sun import J2000, Sun, sun
+from adr_opt.problem.sun import J2000, Sun, sun
 
 pytest.importorskip("plotly.graph_objects")
 

@@ -23,9 +23,9 @@ from adr_opt.fly.trajectory.kepler import turned
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.instance import Instance
+from adr_opt.problem.sun import greenwich, sidereal_angle_rad, sidereal_rate_rad_s
 from adr_opt.ui.plot.strands import tracks
 from adr_opt.ui.report.motion import motion
-from adr_opt.ui.report.sun import greenwich, sidereal_angle_rad, sidereal_rate_rad_s
 
 DAY_S = 86400.0
 TURN = 2.0 * math.pi

@@ -213,6 +213,9 @@ def test_forms_have_all_fields_and_words_for_them() -> None:
     assert fields["chasers", "tank.isp_s"]["unit"] == "s"
     assert fields["chasers", "tank.isp_s"]["of"] == ["tank", "mass"]
     assert fields["chasers", "start"]["choices"] == ["anywhere", "station", "orbit"]
+    disposal = fields["mission", "disposal"]
+    assert (disposal["choices"], disposal["optional"]) == (["circle_m", "perigee_m"], True)
+    assert fields["mission", "disposal.circle_m"]["of"] == ["disposal", "circle_m"]
     assert fields["mission", "duration_s"]["most"] == 100 * 365.25 * 86400.0
     assert fields["objective", "cost"]["choices"] == ["delta-v", "duration", "expense"]
     assert all(field["label"] for field in fields.values())

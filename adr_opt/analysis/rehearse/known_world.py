@@ -146,7 +146,7 @@ def _known_instance(
     duration_s = instance.mission.duration_s + over_s
     mission = instance.mission.replace(launch_separation_s=None, duration_s=duration_s)
     if not any(target.removal == "tow" for target in targets):
-        mission = mission.replace(disposal_altitude_m=None)
+        mission = mission.replace(disposal=None)
     objective = instance.objective
     if objective.cost == "expense":  # it is the prizes that count
         objective = Objective()

@@ -134,7 +134,7 @@ class MissionFacts:
         self._visited = self.finder
         if self.tow_s:
             targets = tuple(target.replace(removal="visit") for target in instance.targets)
-            mission = instance.mission.replace(disposal_altitude_m=None)
+            mission = instance.mission.replace(disposal=None)
             self._visited = ConnectionFinder(instance.replace(targets=targets, mission=mission))
         self.prizes = {
             body: target.prize

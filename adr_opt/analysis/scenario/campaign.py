@@ -125,7 +125,7 @@ def offer(
     names = set(template.station_names) | {chaser.name for chaser in template.chasers}
     numbers: dict[str, int] = {}
     targets = []
-    removal = template.targets[0].removal
+    first = template.targets[0]
     for at, prize, anomaly in zip(chosen, prizes, anomalies, strict=True):
         name = population.bodies.records[at].label
         if name in names or name in numbers:
@@ -137,7 +137,8 @@ def offer(
                 orbit=_orbit(population.orbits[at], anomaly),
                 prize=float(prize),
                 mass_kg=float(population.bodies.masses[at]),
-                removal=removal,
+                removal=first.removal,
+                disposal=first.disposal,
             )
         )
     return Offer(_instance(template, tuple(targets), year, start_years), numbers, unit)
@@ -149,9 +150,8 @@ def _eligible(
     transfer, altitudes = template.transfer, population.altitudes_m
     low, high = settings.altitude_km or (0.0, math.inf)
     least = max(transfer.min_altitude_m, 1e3 * low)
-    disposal = template.mission.disposal_altitude_m
-    if template.targets[0].removal == "tow" and disposal is not None:
-        least = max(least, np.nextafter(disposal, math.inf))
+    if template.targets[0].removal == "tow":
+        least = max(least, np.nextafter(template.circle_m(template.targets[0]), math.inf))
     fits = (altitudes >= least) & (altitudes <= min(transfer.max_altitude_m, 1e3 * high))
     fits &= population.orbits[:, 0] > EARTH_RADIUS_M
     first, last = settings.inclination_deg or (0.0, 180.0)

@@ -227,6 +227,6 @@ def _of_tow(towing: Towing, leg: RefinedLeg) -> dict[str, float]:
     return found | {
         "tow_propellant_kg": leg.tow.thrust.mass_kg - led.mass_kg,
         "tow_shadow_s": led.shadow_s,
-        "release_off_m": orbit.altitude_m - (towing.instance.mission.disposal_altitude_m or 0.0),
+        "release_off_m": orbit.altitude_m - towing.instance.circle_m(leg.destination),
         "release_eccentricity": orbit.eccentricity,
     }

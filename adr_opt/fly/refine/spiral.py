@@ -117,14 +117,12 @@ def spirals_by_leg(instance: Instance, plan: Plan) -> dict[int, SpiralTow]:
         for (number, leg), leaves_s in zip(flown.legs, [*leaves, math.inf], strict=True):
             if number not in towing or leg.tow is None:
                 continue
-            altitude = instance.mission.disposal_altitude_m
-            assert altitude is not None
             found[number] = SpiralTow(
                 leg.destination,
                 leg.end_s,
                 leg.tow.start_s,
                 min(leg.tow.end_s, leaves_s),
-                EARTH_RADIUS_M + altitude,
+                EARTH_RADIUS_M + instance.circle_m(leg.destination),
                 leg.tow.delta_v_m_s,
                 towing[number].towing(masses[leg.destination]),
             )

@@ -61,7 +61,7 @@ def strayed(instance: Instance, refined: RefinedPlan) -> Iterator[Strayed]:
             if tow is None or tow.thrust is None:
                 continue
             mean = near_circle(state_of(tow.released), FIELDS[refined.gravity])
-            disposal_m = EARTH_RADIUS_M + (instance.mission.disposal_altitude_m or 0.0)
+            disposal_m = EARTH_RADIUS_M + instance.circle_m(name)
             off_m, eccentricity = float(mean[0]) - disposal_m, math.hypot(mean[1], mean[2])
             if abs(off_m) > MOST_RELEASE_OFF_M or eccentricity > MOST_RELEASE_ECCENTRICITY:
                 yield Strayed(leg.leg, name, off_m, eccentricity)

@@ -95,7 +95,7 @@ def _spiral(
 
 def _towed(instance: Instance, orbit: FloatArray, target: Target, drive: Drive | None) -> Towed:
     mass_kg, sinks_m_s = float(target.mass_kg or 0.0), (target.decay_m_per_day or 0.0) / DAY_S
-    low = EARTH_RADIUS_M + float(instance.mission.disposal_altitude_m or 0.0)
+    low = EARTH_RADIUS_M + instance.circle_m(target)
     high = float(ephemeris.radius_at(orbit, ephemeris.EPOCH_S))
     tilt = float(ephemeris.inclination_at(orbit, ephemeris.EPOCH_S))
     oblateness, axis = instance.oblateness_m2, 0.5 * (high + low)

@@ -106,7 +106,9 @@ def _check_leg(judge: _Judge) -> Iterator[Violation]:
     instance, world, bodies, leg = judge.instance, judge.world, judge.bodies, judge.leg
     if leg.tow_before is not None:
         led = Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
-        yield from _check_released(judge, leg.tow_before, led, judged=leg.after_launch is True)
+        yield from _check_released(
+            judge, leg.origin, leg.tow_before, led, judged=leg.after_launch is True
+        )
     start = begun(world, bodies, leg, instance)
     yield from _off(leg.leg, "departure", _array(leg.states[0]), start, "where it begins")
     passed, lowest_m, shadow_s = _flown(judge)
@@ -125,7 +127,7 @@ def _check_leg(judge: _Judge) -> Iterator[Violation]:
     lowest_m = min(lowest_m, _lowest_docked(judge, start))
     if leg.tow is not None:
         led = Towing(world, bodies, instance, leg.leg).flown(leg.destination, leg.tow)
-        yield from _check_released(judge, leg.tow, led, judged=True)
+        yield from _check_released(judge, leg.destination, leg.tow, led, judged=True)
         lowest_m, shadow_s = min(lowest_m, led.lowest_m), max(shadow_s, led.shadow_s)
     yield from _check_limits(judge, lowest_m, shadow_s)
 
@@ -188,7 +190,7 @@ def _off(number: int, rule: str, stated: Array, true: Array, what: str) -> Itera
 
 
 def _check_released(
-    judge: _Judge, tow: RefinedTow, led: ThrustFlown, *, judged: bool
+    judge: _Judge, name: str, tow: RefinedTow, led: ThrustFlown, *, judged: bool
 ) -> Iterator[Violation]:
     """Check the state of a release, and its orbit against the circle of disposal."""
     number = judge.leg.leg
@@ -200,7 +202,7 @@ def _check_released(
     orbit = released(prograde(led.state), judge.world.zonals)
     axis = EARTH_RADIUS_M + orbit.altitude_m
     low, high = (axis * (1.0 + side * orbit.eccentricity) - EARTH_RADIUS_M for side in (-1.0, 1.0))
-    circle_m = judge.instance.mission.disposal_altitude_m or 0.0
+    circle_m = judge.instance.circle_m(name)
     if max(abs(low - circle_m), abs(high - circle_m)) > MOST_RELEASE_OFF_M:
         yield Violation(
             number,

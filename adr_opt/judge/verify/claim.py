@@ -122,7 +122,7 @@ def _least_s(instance: Instance) -> FloatArray:
     flown = flown + _half_s(0.5 * (low + coelliptic), slower)
     flown = flown + _half_s(0.5 * (coelliptic + radius), slower)
     laps = 2.0 * math.pi / elements.latitude_rates(rows, EPOCH_S)
-    flown = flown + settings.safety_ellipse_revolutions * laps - 2.0 * SLACK_S
+    flown = flown + 0.5 * laps - 2.0 * SLACK_S
     if instance.dynamics == "j2":
         flown = flown - UNSTEADY_S
         if settings.max_drift_s > 0.0:

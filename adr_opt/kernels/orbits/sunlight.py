@@ -7,8 +7,10 @@ good to 0.01° until 2050. The shadow is a cylinder.
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from ...common.constants import DAY_S, EARTH_RADIUS_M
-from ..core.compile import inlined
+from ..core.compile import inlined, kernel
 
 OBLIQUITY_RAD = math.radians(23.439)
 
@@ -45,6 +47,15 @@ def sun_direction(since_j2000):
     longitude += CENTRE_RAD * math.sin(anomaly) + CENTRE_TWICE_RAD * math.sin(2.0 * anomaly)
     sine = math.sin(longitude)
     return (math.cos(longitude), math.cos(OBLIQUITY_RAD) * sine, math.sin(OBLIQUITY_RAD) * sine)
+
+
+@kernel
+def sun_directions(since_j2000):
+    """Unit vectors to the Sun at some times, shape (times, 3); see :func:`sun_direction`."""
+    found = np.empty((since_j2000.size, 3))
+    for row, time in enumerate(since_j2000):
+        found[row] = sun_direction(time)
+    return found
 
 
 @inlined

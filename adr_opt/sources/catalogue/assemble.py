@@ -323,7 +323,7 @@ def _instance(
                 duration_s=float(mission.duration_s),
                 service_s=crew.service_s,
                 launch_separation_s=crew.separation_s,
-                disposal_altitude_m=crew.disposal_altitude_m,
+                disposal=crew.disposal,
             ),
             objective=crew.objective,
             dynamics=mission.dynamics,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
-from ...problem.bodies import Removal
+from ...problem.bodies import Disposal, Removal
 from ...problem.chasers import (
     AnyTank,
     AtStation,
@@ -51,8 +51,8 @@ class Crew:
         Launches lie so far apart at least; then each may be at the epoch but for ``apart_s`` [s].
     towed_kg : float, optional
         Mass of each target, all of which are towed; None if they are not.
-    disposal_altitude_m : float, optional
-        Of the circles that they are towed to.
+    disposal : DisposalCircle or DisposalPerigee, optional
+        The orbit that they are towed to.
     service_s : float, optional
         How long each service takes; None for one revolution of the target [s].
     thrust_n, duty_cycle : float, optional
@@ -67,7 +67,7 @@ class Crew:
     expense: Expense | None = None
     separation_s: float | None = None
     towed_kg: float | None = None
-    disposal_altitude_m: float | None = None
+    disposal: Disposal | None = None
     service_s: float | None = None
     thrust_n: float | None = None
     duty_cycle: float | None = None
@@ -83,8 +83,8 @@ class Crew:
             raise InputError(f"kit mass = {self.kit_mass_kg:g} kg: there are no kits; say how many")
         if self.towed_kg is not None and self.kits is not None:
             raise InputError("a target takes a kit or is towed; give kits or a mass to tow")
-        if (self.towed_kg is None) != (self.disposal_altitude_m is None):
-            raise InputError("a tow needs a mass and a disposal altitude; give both or none")
+        if (self.towed_kg is None) != (self.disposal is None):
+            raise InputError("a tow needs a mass and a disposal orbit; give both or none")
         if self.towed_kg is not None and not isinstance(self.tank, TankByMass):
             raise InputError("a tow needs masses, but the tank is given in ΔV")
         if self.thrust_n is not None and not isinstance(self.tank, TankByMass):

@@ -8,6 +8,7 @@ from typing import Literal
 
 from ...common.constants import DAY_S, HOUR_S
 from ...common.errors import InputError
+from ...problem.bodies import DisposalCircle
 from ...problem.chasers import Chaser
 from ...problem.orbit import Orbit
 from ...problem.settings import TransferSettings
@@ -47,8 +48,8 @@ class Family:
         From a number, counted from 0, to the chaser, where they are not alike.
     removal : {"visit", "kit", "tow"}
         Of all targets.
-    disposal_altitude_m : float, optional
-        Of the circle that targets are towed to [m].
+    disposal : DisposalCircle, optional
+        The circle that targets are towed to.
     mass_kg : callable, optional
         From the orbit of a target to its mass [kg].
     """
@@ -68,7 +69,7 @@ class Family:
     chasers: int = 1
     draw_chaser: Callable[[int], Chaser] | None = None
     removal: Literal["visit", "kit", "tow"] = "visit"
-    disposal_altitude_m: float | None = None
+    disposal: DisposalCircle | None = None
     mass_kg: Callable[[Orbit], float] | None = None
 
 
@@ -155,7 +156,7 @@ FAMILIES = {
             chasers=rocket_bodies.ELECTRIC_CHASERS,
             draw_chaser=rocket_bodies.electric_chaser,
             removal="tow",
-            disposal_altitude_m=rocket_bodies.DISPOSAL_ALTITUDE_M,
+            disposal=DisposalCircle(circle_m=rocket_bodies.DISPOSAL_ALTITUDE_M),
             mass_kg=rocket_bodies.mass_kg,
         ),
         Family(

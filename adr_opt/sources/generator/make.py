@@ -9,7 +9,7 @@ from typing import Any
 
 from ...common.constants import HOUR_S
 from ...common.errors import InputError
-from ...problem.bodies import Station, Target
+from ...problem.bodies import Disposal, Station, Target
 from ...problem.chasers import AnyTank, AtStation, Chaser, InOrbit, Start, Tank
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
@@ -104,14 +104,14 @@ def fitted(
     kits: int | None = None,
     kit_mass_kg: float | None = None,
     towed_kg: float | None = None,
-    disposal_altitude_m: float | None = None,
+    disposal: Disposal | None = None,
 ) -> Instance:
     """The instance with other tanks, with kits or with tows; unchanged without arguments.
 
     Parameters
     ----------
     instance : Instance
-    tank, kits, kit_mass_kg, towed_kg, disposal_altitude_m
+    tank, kits, kit_mass_kg, towed_kg, disposal
         As :func:`adr_opt.generate` takes them.
 
     Raises
@@ -121,8 +121,8 @@ def fitted(
     """
     if kits is not None and towed_kg is not None:
         raise InputError("a target takes a kit or is towed; give kits or a mass to tow")
-    if (towed_kg is None) != (disposal_altitude_m is None):
-        raise InputError("a tow needs a mass and a disposal altitude; give both or none")
+    if (towed_kg is None) != (disposal is None):
+        raise InputError("a tow needs a mass and a disposal orbit; give both or none")
     carried = instance.chasers[0].kits is not None
     if kit_mass_kg is not None and kits is None and (not carried or towed_kg is not None):
         raise InputError(f"kit mass = {kit_mass_kg:g} kg: there are no kits; say how many")
@@ -140,8 +140,8 @@ def fitted(
     if not of_chasers and not of_targets:
         return instance
     mission = instance.mission
-    if disposal_altitude_m is not None:
-        mission = mission.replace(disposal_altitude_m=disposal_altitude_m)
+    if disposal is not None:
+        mission = mission.replace(disposal=disposal)
     return instance.replace(
         name=f"{instance.name}{SUFFIX}",
         chasers=tuple(chaser.replace(**of_chasers) for chaser in instance.chasers),
@@ -175,7 +175,7 @@ def generate(  # noqa: PLR0913
     kits: int | None = None,
     kit_mass_kg: float | None = None,
     towed_kg: float | None = None,
-    disposal_altitude_m: float | None = None,
+    disposal: Disposal | None = None,
 ) -> Instance:
     """Draw an instance.
 
@@ -199,9 +199,10 @@ def generate(  # noqa: PLR0913
         Each target takes a kit; this is the maximum number aboard each chaser.
     kit_mass_kg : float, optional
         Of each kit; needs a tank by mass [kg].
-    towed_kg, disposal_altitude_m : float, optional
-        Instead of kits: each target has this mass [kg] and is towed down to a circle there [m];
-        needs a tank by mass.
+    towed_kg : float, optional
+        Instead of kits: each target has this mass [kg] and is towed; needs a tank by mass.
+    disposal : DisposalCircle or DisposalPerigee, optional
+        The orbit that targets are towed to, where they are.
 
     Raises
     ------
@@ -252,12 +253,7 @@ def generate(  # noqa: PLR0913
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
     )
     return fitted(
-        drawn,
-        tank=tank,
-        kits=kits,
-        kit_mass_kg=kit_mass_kg,
-        towed_kg=towed_kg,
-        disposal_altitude_m=disposal_altitude_m,
+        drawn, tank=tank, kits=kits, kit_mass_kg=kit_mass_kg, towed_kg=towed_kg, disposal=disposal
     )
 
 
@@ -279,7 +275,7 @@ def _mission(kind: Family) -> MissionSettings:
         duration_s=kind.duration_s,
         service_revolutions=None,
         service_s=kind.service_s,
-        disposal_altitude_m=kind.disposal_altitude_m,
+        disposal=kind.disposal,
     )
 
 

@@ -23,8 +23,8 @@ from .output import say
 from .signals import INTERRUPTED, Aborted, interruptible
 
 _VERBS = """
-generate worth import solve bound check verify price compare tradeoff replan rehearse scenario
-fly refine matrix export report serve train methods warm-up doctor schema
+generate worth import windows solve bound check verify price compare tradeoff replan rehearse
+scenario fly refine matrix export report serve train methods warm-up doctor schema
 """
 VERBS = tuple(_VERBS.split())
 

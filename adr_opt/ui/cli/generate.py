@@ -66,7 +66,7 @@ def command(
         kits=fitting.kits,
         kit_mass_kg=fitting.kit_mass,
         towed_kg=fitting.tow,
-        disposal_altitude_m=fitting.disposal_altitude_m,
+        disposal=fitting.disposal,
     )
     text = instance.to_json()
     if out is not None:

@@ -206,7 +206,7 @@ class _Course:
     def _towed(self, times: Array) -> Circles:
         """Orbits on the spiral of a tow, along which the speed changes uniformly."""
         start = _on(self._destination, times[:1])
-        low_m = EARTH_RADIUS_M + (self._instance.mission.disposal_altitude_m or 0.0)
+        low_m = EARTH_RADIUS_M + self._instance.circle_m(self._leg.destination)
         speeds = np.linspace(start.speeds[0], math.sqrt(MU_M3_S2 / low_m), times.size)
         tilts = np.full(times.size, start.inclinations[0])
         return Circles(speeds, tilts, start.nodes[0] + self._drifted(speeds, tilts, times))

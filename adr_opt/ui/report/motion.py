@@ -22,10 +22,10 @@ from ...plan.phases import COLOURS, LABELS, PHASES
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
+from ...problem.sun import greenwich, sun
 from ..plot.strands import DrawnArc, Track
 from ..plot.thrust_arcs import SpiralArc
 from .figures.orbits import kinds_shown
-from .sun import greenwich, sun
 from .text import in_chart
 
 STEERED = "drift"

@@ -403,10 +403,9 @@ def _rules_in_words(instance: Instance) -> list[str]:
         rules.append(f"{counted(windows, 'target')} with a window of time")
     towed = sum(target.service.is_flown for target in instance.targets)
     if towed:
-        altitude_m = instance.mission.disposal_altitude_m or 0.0
-        rules.append(
-            f"{counted(towed, 'target')} to be towed down to {number(altitude_m / 1e3, 1)} km"
-        )
+        circles = {instance.circle_m(each) for each in instance.targets if each.service.is_flown}
+        down = " or ".join(number(altitude_m / 1e3, 1) for altitude_m in sorted(circles))
+        rules.append(f"{counted(towed, 'target')} to be towed down to {down} km")
     if instance.mission.service_s is not None:
         rules.append(f"service takes {number(instance.mission.service_s, 1)} s")
     if instance.objective.cost == "duration":

@@ -29,8 +29,10 @@ Column = tuple[str, str, Callable[..., str | Cell]]
 
 REASON_TITLES = {
     "no-transfer": "no transfer",
+    "several": "several limits",
     "duration": "duration",
     "delta-v": "ΔV",
+    "kits": "kits",
     "capacity": "capacity",
     "not-worth-it": "not worth it",
     "not-considered": "not considered",

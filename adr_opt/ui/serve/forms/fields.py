@@ -70,7 +70,9 @@ WORDS = {
     "service_revolutions": FieldWords("Time at a target", "in its periods; or in seconds below"),
     "service_s": FieldWords("Time at a target", "in place of revolutions"),
     "refuel_revolutions": FieldWords("Time to refuel", "in periods of the station"),
-    "disposal_altitude_m": FieldWords("Disposal altitude", "to which objects are towed"),
+    "disposal": FieldWords("Disposal orbit", "to which objects are towed"),
+    "circle_m": FieldWords("Altitude of the circle"),
+    "perigee_m": FieldWords("Altitude of the perigee", "the apogee stays"),
     "launch_separation_s": FieldWords("Time between launches", "the least, in their order"),
     "mission_separation_s": FieldWords(
         "Time between missions", "from the last service to the next launch, the least"
@@ -79,7 +81,13 @@ WORDS = {
         "First part of the climb", "share of the difference in radius"
     ),
     "standoff_m": FieldWords("Stand-off", "distance behind the target"),
-    "safety_ellipse_revolutions": FieldWords("Inspection", "0.5 and whole laps more"),
+    "approach": FieldWords(
+        "Approach", "half a lap into the target, or round it on a safety ellipse"
+    ),
+    "keep_out_m": FieldWords("Kept out of", "around the target, whichever burn is missed"),
+    "approach_revolutions": FieldWords("Revolutions of the approach"),
+    "inspection_revolutions": FieldWords("Inspection", "revolutions on the safety ellipse"),
+    "burns": FieldWords("Burns", "of a planned sequence, or free"),
     "max_phasing_revolutions": FieldWords("Most revolutions of phasing"),
     "min_altitude_m": FieldWords("Lowest altitude of phasing"),
     "max_altitude_m": FieldWords("Highest altitude of phasing"),
@@ -136,7 +144,7 @@ def form_fields() -> list[dict[str, Any]]:
     ``optional`` (whether null is allowed), ``whole`` (of a number), ``choices`` (of a choice), and
     ``of``, the choice to which a field belongs: ``[PATH, VALUE]``, or null.
     """
-    schema = Instance.json_schema()
+    schema = Instance.model_json_schema()
     found: list[dict[str, Any]] = []
     for part in get_args(Part):
         content = _resolved(schema["properties"][part], schema)
@@ -171,14 +179,15 @@ def _field(
     content: Schema, schema: Schema, path: str, of: list[str] | None, *, must: bool
 ) -> Iterator[dict[str, Any]]:
     """A field, or those within it."""
-    several: list[Schema] = content.get("anyOf") or content.get("oneOf") or []
-    kinds = [_resolved(each, schema) for each in several]
+    kinds = [
+        _resolved(inner, schema) for each in _kinds(content) for inner in _kinds(each) or [each]
+    ]
     kept = [each for each in kinds if each.get("type") != "null"]
     optional = len(kept) < len(kinds)
     default = content.get("default")
     if len(kept) > 1:
         names = [_variant(each) for each in kept]
-        yield _told(path, "choice", of, default=default, optional=False, choices=names)
+        yield _told(path, "choice", of, default=default, optional=optional, choices=names)
         for name, each in zip(names, kept, strict=True):
             if "properties" in each:
                 yield from _inside(each, schema, f"{path}.", [path, name])
@@ -200,6 +209,12 @@ def _field(
     else:
         kind = KINDS[inner["type"]]
         yield _told(path, kind, of, default=default, optional=optional, **limits, **whole)
+
+
+def _kinds(content: Schema) -> list[Schema]:
+    """Alternatives of a field, if it has some."""
+    found: list[Schema] = content.get("anyOf") or content.get("oneOf") or []
+    return found
 
 
 def _told(path: str, kind: str, of: list[str] | None, **more: Any) -> dict[str, Any]:

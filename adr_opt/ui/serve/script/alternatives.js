@@ -3,6 +3,7 @@
 import { withValue } from "./field.js";
 
 const LIKE = { dry_mass_kg: 1000, isp_s: 300 }; // a tank by mass that replaces one in ΔV
+const DISPOSAL = { circle_m: 500000, perigee_m: 60000 };
 const STANDARD_GRAVITY_M_S2 = 9.80665;
 const round = (value) => Math.round(value * 10) / 10;
 
@@ -37,6 +38,7 @@ function first(path, value, element, instance) {
     const { dry_mass_kg: dry = 1, propellant_kg: full = 0, isp_s: isp = 0 } = tank ?? {};
     return { delta_v_m_s: round(STANDARD_GRAVITY_M_S2 * isp * Math.log1p(full / dry)) };
   }
+  if (value in DISPOSAL) return { [value]: DISPOSAL[value] };
   const orbit = instance.stations.find((station) => station.orbit)?.orbit
     ?? instance.chasers.find(({ start }) => start?.orbit)?.start.orbit ?? {};
   if (value === "station") return { station: instance.stations[0]?.name ?? "" };

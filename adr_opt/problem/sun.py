@@ -6,8 +6,8 @@ import math
 from datetime import UTC, datetime
 from typing import NamedTuple
 
-from ...common.constants import DAY_S
-from ...kernels.orbits.sunlight import (
+from ..common.constants import DAY_S
+from ..kernels.orbits.sunlight import (
     ANOMALY_RAD,
     ANOMALY_RATE_RAD_S,
     CENTRE_RAD,
@@ -16,8 +16,8 @@ from ...kernels.orbits.sunlight import (
     LONGITUDE_RATE_RAD_S,
     OBLIQUITY_RAD,
 )
-from ...problem.frame import OF_DATE
-from ...problem.instance import Instance
+from .frame import OF_DATE
+from .instance import Instance
 
 TURN_S = 86400.0
 """Sidereal seconds per turn."""

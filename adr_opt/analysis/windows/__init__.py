@@ -1,0 +1,6 @@
+"""When targets may be captured: intervals of light, of the Sun's angle, and of ground contacts."""
+
+from .conditions import CaptureConditions, windows_of
+from .stations import STATIONS, GroundStation, read_stations
+
+__all__ = ["STATIONS", "CaptureConditions", "GroundStation", "read_stations", "windows_of"]

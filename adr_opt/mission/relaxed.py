@@ -1,0 +1,131 @@
+"""An order under larger limits: what would let a chaser fly an order that it cannot fly."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..common.constants import SLACK_M_S
+from ..kernels.rules.rules import Rules
+from ..legs.connection_finder import ConnectionFinder
+from ..legs.service_limits import limits_of
+from ..plan.cargo import loads_of, most_left_m_s
+from ..problem.chasers import Chaser, Tank, TankByMass
+from ..problem.instance import Instance
+from .mission import Mission
+from .schedule import Front, Scheduler
+
+LARGEST, LONGEST = 4.0, 2.0
+"""Largest multiples of the tank and of the mission that are examined."""
+
+PRECISION_M_S = 0.1
+"""Precision of the least tank."""
+
+Moves = tuple[int, ...]
+
+
+def with_tank(chaser: Chaser, scale: float) -> Chaser:
+    """A chaser with a scaled tank: ΔV or propellant.
+
+    The ΔV that is lacking at the start stays lacking, as first legs pay for it: more in a full tank
+    is more at the start, too.
+    """
+    tank = chaser.tank
+    if isinstance(tank, TankByMass):
+        larger = tank.replace(propellant_kg=scale * tank.propellant_kg, initial_propellant_kg=None)
+        if tank.spent_m_s > 0.0:
+            left_m_s = larger.delta_v_m_s - tank.spent_m_s
+            left_kg = tank.dry_mass_kg * math.expm1(left_m_s / tank.exhaust_m_s)
+            larger = larger.replace(initial_propellant_kg=max(left_kg, 0.0))
+        return chaser.replace(tank=larger)
+    full = scale * tank.delta_v_m_s
+    initial = full - tank.spent_m_s if tank.spent_m_s else None
+    return chaser.replace(tank=Tank(delta_v_m_s=full, initial_delta_v_m_s=initial))
+
+
+class Relaxed:
+    """An order under larger limits: their connections, and rules between them and the true ones.
+
+    Parameters
+    ----------
+    mission : Mission
+    chaser : Chaser
+        With a tank that may be larger.
+    duration_s : float or None
+        Of the mission and of the availability of the chaser; None for what they are.
+    windows : bool
+        Whether targets keep their windows.
+    counts : bool
+        Whether the chaser has as many kits as it has, and services as many targets as it may.
+    """
+
+    def __init__(
+        self,
+        mission: Mission,
+        chaser: Chaser,
+        duration_s: float | None,
+        *,
+        windows: bool = True,
+        counts: bool = True,
+    ) -> None:
+        self._mission, self._counts = mission, counts
+        instance, number = mission.instance, mission.instance.chasers.index(mission.chaser)
+        if duration_s is not None:
+            chaser = chaser.replace(available_s=(chaser.available_s[0], None))
+            instance = instance.replace(mission=instance.mission.replace(duration_s=duration_s))
+        chasers = (*instance.chasers[:number], chaser, *instance.chasers[number + 1 :])
+        self._instance: Instance = instance.replace(chasers=chasers)
+        limits = limits_of(self._instance, number)
+        closes = limits.closes
+        if not windows:
+            closes = np.where(closes > -math.inf, limits.duration, closes)
+        self._rules = mission.rules._replace(closes=closes, duration=limits.duration)
+        connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
+        cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
+        self._schedules = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
+        self._by_scale: dict[float, Scheduler] = {}
+
+    def _under(self, scale: float) -> Rules:
+        """The rules with a scaled tank."""
+        mission = self._mission
+        chaser = with_tank(mission.chaser, scale)
+        if not self._counts:
+            chaser = chaser.replace(kits=None, max_targets=None)
+        loads = loads_of(mission.instance, chaser, mission.margin)
+        budget = (1.0 - mission.margin) * chaser.tank.delta_v_m_s + SLACK_M_S
+        if loads is not None:
+            budget = most_left_m_s(loads)
+        return self._rules._replace(budget=budget, loads=loads)
+
+    def front(self, moves: Moves, scale: float) -> Front | None:
+        """Labels at the end of an order, whose moves keep to its rules; None if it takes more."""
+        if scale not in self._by_scale:
+            self._by_scale[scale] = self._schedules.under(self._under(scale))
+        fronts = self._by_scale[scale].fronts(moves)
+        return fronts[-1] if len(fronts) > len(moves) else None
+
+    def least_end(self, moves: Moves, scale: float) -> float | None:
+        """Earliest end of an order [s]."""
+        front = self.front(moves, scale)
+        return None if front is None else float(front.ready.min())
+
+    def added_m_s(self, scale: float) -> float:
+        """Additional ΔV of a scaled tank [m/s]."""
+        chaser = self._mission.chaser
+        return with_tank(chaser, scale).tank.delta_v_m_s - chaser.tank.delta_v_m_s
+
+    def least_scale(self, moves: Moves) -> float | None:
+        """Least scale of the tank."""
+        if self.front(moves, LARGEST) is None:
+            return None
+        low, high = 1.0, LARGEST
+        full = self._mission.chaser.tank.delta_v_m_s
+        steps = math.ceil(math.log2(max(LARGEST * full / PRECISION_M_S, 2.0)))
+        for _ in range(steps):
+            middle = 0.5 * (low + high)
+            if self.front(moves, middle) is None:
+                low = middle
+            else:
+                high = middle
+        return high

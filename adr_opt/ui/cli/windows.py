@@ -1,0 +1,130 @@
+"""``windows``: when targets may be captured, by light, the Sun's angle and ground contacts."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import click
+
+from ...common.errors import InputError
+from . import param
+from .output import emit_json, emit_rich, say, say_written
+from .parameters import check_out
+
+if TYPE_CHECKING:
+    from ...analysis.windows.conditions import States
+    from ...analysis.windows.intervals import Array
+    from ...problem.instance import Instance
+
+
+@click.command("windows", short_help="When targets may be captured: light, Sun, contacts.")
+@param.instance
+@param.flag("--light", "The Sun's whole disc is above the Earth.")
+@param.number(
+    "--sun-angle",
+    "DEG",
+    "Least angle of the Sun from the velocity, along which a chaser approaches.",
+    "sun_angle_deg",
+    default=0.0,
+)
+@param.many(
+    "--contact",
+    "NAME",
+    "A ground station that sees the target, of --stations or a public one; repeatable, and one of "
+    "them suffices.",
+    "contacts",
+)
+@param.file("--stations", "CSV file: name,latitude_deg,longitude_deg,altitude_m.")
+@param.number(
+    "--mask", "DEG", "Least elevation of a contact.", "mask_deg", default=5.0, show_default=True
+)
+@param.many("--within", "FILE", "CSV file of windows of other causes; repeatable.")
+@param.number(
+    "--margin", "S", "By which windows begin later and end sooner.", "margin_s", default=0.0
+)
+@param.number("--capture", "S", "Time that has to fit into a window.", "capture_s", default=0.0)
+@param.flag("--ephemerides", "Go by the ephemerides beside INSTANCE.")
+@param.file("--out", "CSV file of windows to write: target,opens_s,closes_s.")
+@param.as_json
+@param.quiet
+def command(
+    instance_path: str,
+    light: bool,
+    sun_angle_deg: float,
+    contacts: tuple[str, ...],
+    stations: str | None,
+    mask_deg: float,
+    within: tuple[str, ...],
+    margin_s: float,
+    capture_s: float,
+    ephemerides: bool,
+    out: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Find when each target of INSTANCE may be captured.
+
+    All conditions have to hold at once, and for the whole of a capture.
+    """
+    from ...analysis.windows import STATIONS, CaptureConditions, read_stations, windows_of
+    from ...analysis.windows.conditions import read_windows, windows_csv
+    from ...analysis.windows.intervals import common, lasting
+    from ...common.files import write_text
+    from ...problem.instance import load
+    from .tables import number_table
+
+    if not 0.0 <= capture_s < math.inf:
+        raise InputError(f"--capture = {capture_s:g}: must be at least 0")
+    instance = load(instance_path)
+    check_out(out, instance_path, *within, stations)
+    known = STATIONS | ({} if stations is None else read_stations(stations))
+    for name in contacts:
+        if name not in known:
+            raise InputError(f"--contact {name}: no such station; use one of: {', '.join(known)}")
+    given: dict[str, Array] = {}
+    for path in within:
+        for name, intervals in read_windows(path).items():
+            given[name] = common(given[name], intervals) if name in given else intervals
+    conditions = CaptureConditions(
+        light, sun_angle_deg, tuple(known[name] for name in contacts), mask_deg, given, margin_s
+    )
+    found = windows_of(instance, conditions, _reported(instance) if ephemerides else None)
+    found = {name: lasting(intervals, capture_s) for name, intervals in found.items()}
+    rows = {name: _figures(intervals, instance) for name, intervals in found.items()}
+    if out is not None:
+        write_text(out, windows_csv(found))
+    for name, row in rows.items():
+        if not row["windows"]:
+            say(f"{name!r} can never be captured, for {capture_s:g} s at a time", unless=quiet)
+    say_written(out, quiet=quiet)
+    if as_json:
+        emit_json({"instance": instance.name, "path": out, "targets": rows})
+    elif not quiet:
+        headings = "windows", "open [%]", "longest [s]"
+        texts = (
+            (name, f"{row['windows']}", f"{100.0 * row['share']:.1f}", f"{row['longest_s']:.0f}")
+            for name, row in rows.items()
+        )
+        emit_rich(number_table("When targets may be captured", headings, texts, first="target"))
+    return 0
+
+
+def _figures(intervals: Array, instance: Instance) -> dict[str, float]:
+    """Number of windows, the share of the mission that they are, and the longest."""
+    lengths = intervals[:, 1] - intervals[:, 0]
+    share = float(lengths.sum()) / max(instance.mission.duration_s, 1e-300)
+    return {"windows": len(intervals), "share": share, "longest_s": float(lengths.max(initial=0.0))}
+
+
+def _reported(instance: Instance) -> States:
+    """Motion of targets as the ephemerides beside an instance report it."""
+    from ...sources.ephemerides import ephemerides_of
+
+    known = ephemerides_of(instance)
+
+    def states(name: str, times: Array) -> tuple[Array, Array]:
+        found = known.of(name).state(times)
+        return found[:, :3], found[:, 3:]
+
+    return states
