@@ -301,3 +301,32 @@ def test_a_file_of_labels_stands_in_for_a_search(tmp_path, monkeypatch):
         verify(instance, None, certificate, connections=FEW, labels=path)
     with pytest.raises(InputError, match="no such file"):
         verify(instance, None, certificate, connections=FEW, labels=tmp_path / "none.npz")
+
+
+def test_a_label_that_is_worse_in_anything_dominates_none(claims):
+    """Each dominates itself; if it is later, poorer, elsewhere, or remembers or counts more, not."""
+    paying = 0
+    for claim, listed in claims:
+        legs, about, _ = claim.true
+        labels, heavy = listed.labels, legs.terms.cargo.heavy
+        assert dominates(legs, about, labels, labels).all()
+        worse = [
+            labels._replace(body=(labels.body + 1) % legs.terms.bodies),
+            labels._replace(kits=labels.kits - 1),
+            labels._replace(time=np.nextafter(labels.time, np.inf)),
+            labels._replace(left=np.nextafter(labels.left, -np.inf)),
+            labels._replace(value=labels.value - 1),
+            labels._replace(worth=labels.worth - 1),
+            labels._replace(memory=labels.memory | 1 << 40),
+        ]
+        worse += [labels._replace(kits=labels.kits + 1)] if heavy else []
+        worse += [labels._replace(counts=labels.counts + 1)] if labels.counts.size else []
+        for each in worse:
+            assert not dominates(legs, about, each, labels).any()
+        if about.toll.size and about.toll[0] > 0:
+            owing = labels._replace(odd=labels.odd | 1)
+            assert (dominates(legs, about, owing, labels) == (labels.odd[0] & 1 == 1)).all()
+            ahead = owing._replace(value=labels.value + about.toll[0])
+            assert dominates(legs, about, ahead, labels).all()
+            paying += 1
+    assert paying > 0

@@ -75,11 +75,12 @@ def left_after(cargo, body, kits, left):
     """
     at = body * cargo.full.size + kits
     share, lost = cargo.share.ravel()[at], cargo.lost.ravel()[at]
+    same = (lost == 0.0) & ((share == 1.0) | (left <= SLACK_M_S)) | (left < 0.0)
+    if same.all():
+        return left.copy()
     ratio = share * np.expm1((left - SLACK_M_S) / cargo.exhaust) - lost
     after = cargo.exhaust * np.log1p(np.where(ratio > -1.0, ratio, 0.0)) + SLACK_M_S + UP_M_S
-    after = np.where(ratio > -1.0, after, -np.inf)
-    same = (lost == 0.0) & ((share == 1.0) | (left <= SLACK_M_S))
-    return np.where(same | (left < 0.0), left, after)
+    return np.where(same, left, np.where(ratio > -1.0, after, -np.inf))
 
 
 def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Cargo:
