@@ -304,7 +304,7 @@ def test_a_file_of_labels_stands_in_for_a_search(tmp_path, monkeypatch):
 
 
 def test_a_label_that_is_worse_in_anything_dominates_none(claims):
-    """Each dominates itself; if it is later, poorer, elsewhere, or remembers or counts more, not."""
+    """Each dominates itself; if later, poorer, elsewhere, or remembering or counting more, not."""
     paying = 0
     for claim, listed in claims:
         legs, about, _ = claim.true
@@ -330,3 +330,29 @@ def test_a_label_that_is_worse_in_anything_dominates_none(claims):
             assert dominates(legs, about, ahead, labels).all()
             paying += 1
     assert paying > 0
+
+
+def test_numbers_that_are_none_are_refused(claims):
+    """No label is infinite, at no place, of fewer words, or so poor that a payment wraps it round."""
+    claim, listed = claims[0]
+    legs, about, starts = claim.true
+    labels = listed.labels
+    for column, number in (
+        ("value", -(2**63)),
+        ("value", 2**62),
+        ("worth", -(2**63)),
+        ("body", -1),
+        ("body", 10**6),
+        ("kits", -1),
+        ("kits", 10**6),
+        ("time", np.nan),
+        ("left", np.inf),
+    ):
+        numbers = getattr(labels, column).copy()
+        numbers[-1] = number
+        forged = labels._replace(**{column: numbers})
+        why = why_open(legs, about, forged, starts, listed.find(lambda ends: ends.body))
+        assert why == "a label is at no place, or has no number", column
+    none = labels._replace(memory=labels.memory[:0])
+    why = why_open(legs, about, none, starts, listed.find(lambda ends: ends.body))
+    assert why == "labels have not as many words, or counts, as walks have"

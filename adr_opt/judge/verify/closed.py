@@ -153,10 +153,14 @@ def why_open(
     """
     if any(own.shape[:-1] != one.shape[:-1] for own, one in zip(labels, starts, strict=True)):
         return "labels have not as many words, or counts, as walks have"
-    amounts = np.abs(labels.value) <= MOST, np.abs(labels.worth) <= MOST
-    numbers = np.isfinite(labels.time), np.isfinite(labels.left)
-    places = labels.body < legs.terms.bodies, labels.kits < legs.terms.cargo.full.size
-    if not all(map(np.all, (*amounts, *numbers, *places, labels.body >= 0, labels.kits >= 0))):
+    ranges = (
+        (labels.value, -MOST, MOST),
+        (labels.worth, -MOST, MOST),
+        (labels.body, 0, legs.terms.bodies - 1),
+        (labels.kits, 0, legs.terms.cargo.full.size - 1),
+    )
+    inside = [np.all((least <= column) & (column <= most)) for column, least, most in ranges]
+    if not (all(inside) and np.all(np.isfinite(labels.time) & np.isfinite(labels.left))):
         return "a label is at no place, or has no number"
     if np.any(is_answer(legs, question, labels)):
         return "a walk collects as much"
