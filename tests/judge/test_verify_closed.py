@@ -333,7 +333,7 @@ def test_a_label_that_is_worse_in_anything_dominates_none(claims):
 
 
 def test_numbers_that_are_none_are_refused(claims):
-    """No label is infinite, at no place, of fewer words, or so poor that a payment wraps it round."""
+    """No label is infinite, at no place, of fewer words, or so poor that it would wrap round."""
     claim, listed = claims[0]
     legs, about, starts = claim.true
     labels = listed.labels
