@@ -12,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.common.constants import SLACK_S
-from adr_opt.judge.verify.closed import FINE, Finder, Labels, Question, ends_of, is_answer, tolls
+from adr_opt.judge.verify.closed import FINE, Finder, Labels, Question, ends_of, is_answer
 from adr_opt.judge.verify.completion import still
+from adr_opt.judge.verify.cuts import tolls
 from adr_opt.judge.verify.legs import Legs
 from adr_opt.kernels.core.compile import kernel
 

@@ -26,16 +26,13 @@ from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from ...common.constants import SLACK_S
 from ...kernels.core.compile import kernel
 from .cargo import left_after
-from .completion import Completion, still
-from .cuts import WORD
+from .completion import Array, Completion, still
+from .cuts import WORD, tolls
 from .legs import Legs
-
-Array = npt.NDArray[Any]
 
 FINE = 30
 """Extra bits of precision of collected amounts over those of the table."""
@@ -204,25 +201,15 @@ def _less(product):
     return np.maximum(product.astype(np.int64) - PAID_LESS, 0)
 
 
-@kernel
-def tolls(bits, toll):
-    """Sums of the tolls whose bits are set, shape (labels,)."""
-    total = np.zeros(bits.shape[1], np.int64)
-    for cut in range(toll.size):
-        total += (bits[cut // WORD] >> (cut % WORD) & 1) * toll[cut]
-    return total
-
-
 def ends_of(legs: Legs, question: Question, labels: Labels) -> Iterator[Labels]:
     """Where the legs of labels end, as far as an answer may come of it; some at a time."""
     for begin in range(0, labels.body.size, ROWS):
         some = labels.at(np.s_[begin : begin + ROWS])
         row, pair, leg = _first_legs(legs, some)
-        if row.size:
-            onto = _arrived(legs, question, some, row, pair)
-            way, leg, left, value = _flown(legs, question, some, onto, row, pair, leg)
-            ends = onto.at(way)._replace(time=legs.end[leg], left=left, value=value)
-            yield ends.at(np.lexsort((leg, row[way])))
+        onto = _arrived(legs, question, some, row, pair)
+        way, leg, left, value = _flown(legs, question, some, onto, row, pair, leg)
+        ends = onto.at(way)._replace(time=legs.end[leg], left=left, value=value)
+        yield ends.at(np.lexsort((leg, row[way])))
 
 
 def _first_legs(legs: Legs, labels: Labels) -> tuple[Array, Array, Array]:
@@ -253,7 +240,7 @@ def _first_legs(legs: Legs, labels: Labels) -> tuple[Array, Array, Array]:
 
 def _arrived(legs: Legs, question: Question, labels: Labels, row: Array, pair: Array) -> Labels:
     """Labels after legs of their pairs, but for their time, their ΔV and what these bring about."""
-    terms, before = legs.terms, labels.at(row)
+    terms, counting, before = legs.terms, legs.terms.counting, labels.at(row)
     i, j = np.divmod(pair, terms.bodies)
     memory = before.memory & question.neighbourhoods[:, j]
     word, bit = i // WORD, np.where(terms.is_station[i], 0, 1 << (i % WORD))
@@ -261,7 +248,6 @@ def _arrived(legs: Legs, question: Question, labels: Labels, row: Array, pair: A
         memory[number] |= np.where(word == number, bit, 0)
     remembered = before.odd & question.cut_memory[:, j]
     value = before.value + question.gain[j] - tolls(remembered & question.rows[:, j], question.toll)
-    counting = terms.counting
     return before._replace(
         body=j,
         kits=before.kits - terms.cargo.takes[j],

@@ -194,8 +194,7 @@ def _moves(legs: Legs, table: Completion, cost: Array, code: Array) -> Moves:
     order = np.argsort(legs.pair * (table.last.size + 1) - leaves, kind="stable")
     useful = np.zeros(order.size, dtype=np.bool_)
     if order.size:
-        slots = table.best.shape[3] - 1
-        _mark_useful(legs.pair[order], lands[order], cost[order], slots, useful)
+        _mark_useful(legs.pair[order], lands[order], cost[order], table.best.shape[3] - 1, useful)
     order = order[useful]
     order = order[np.argsort(leaves[order], kind="stable")]
     origin, destination = np.divmod(legs.pair[order], legs.terms.bodies)

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ...kernels.core.compile import kernel
 from ...plan.certificate import ProvenCut
 from ...problem.instance import Instance
 
@@ -76,3 +77,12 @@ def tolls_of(cuts: tuple[NumberedCut, ...], bodies: int, unit: Fraction) -> Toll
         memory[word, list(cut.memory)] |= bit
         toll[number] = min(math.floor(cut.multiplier / unit), 2**58 // len(cuts))
     return Tolls(rows, memory, toll)
+
+
+@kernel
+def tolls(bits, toll):
+    """Sums of the tolls whose bits are set, shape (labels,)."""
+    total = np.zeros(bits.shape[1], np.int64)
+    for cut in range(toll.size):
+        total += (bits[cut // WORD] >> (cut % WORD) & 1) * toll[cut]
+    return total

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from . import cargo, closed, completion
+from . import cargo, closed, completion, cuts
 
 
 @contextmanager
 def plain() -> Iterator[None]:
     """Within this, nothing of the core is compiled: it takes longer, and says the same."""
-    modules = cargo, completion, closed
+    modules = cargo, completion, cuts, closed
     kernels = [
         (module, name, each)
         for module in modules
