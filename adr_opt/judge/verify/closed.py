@@ -1,22 +1,22 @@
 """Check of a list of labels: that no walk collects as much as is asked for.
 
-A *label* is a beginning of walks: where they are and since when, what is left of the tank, kits
-aboard, what they have collected, how many targets they have serviced, and which they remember. One
-label *dominates* another of its body if it is there no later, has as much left and collected with
-no more services, and remembers nothing else: whatever the other can still do, it can. The list is
-evidence that anybody may have made. It is *closed* if
+A *walk* is a route of a chaser that may return to targets that it has forgotten; an *answer* is one
+that may end where it is and has collected as much. A *label* is a beginning of walks: where it is
+and since when, what is left of the tank, kits aboard, what it has collected, how many targets it
+has serviced, and which it remembers. One label *dominates* another of its body if it is there no
+later, has as much left and collected with no more services, and remembers nothing else: whatever
+the other can still do, it can. A list of labels, which anybody may have made, is *closed* if
 
 1. none of its labels is an answer,
-2. every beginning of a walk is dominated by one of them,
-3. every leg from every one of them ends in a label that cannot become an answer any more, by the
-   table of :mod:`.completion`, or that one of them dominates.
+2. one of them dominates every beginning of a walk,
+3. every leg of every one of them ends in a label that one of them dominates, or that cannot become
+   an answer any more, by the table of :mod:`.completion`.
 
-Then no walk is an answer. For follow one leg by leg: at first a label of the list dominates it, and
-if one does before a leg, one does after it, or nothing that comes can be an answer. Where it ends
-it is dominated by a label that is none.
+Then no walk is an answer. Follow one: a label of the list dominates its beginning. If one dominates
+it before a leg, that label can take this leg, too, and by 3 one dominates it afterwards, or nothing
+that comes can be an answer. Where it ends, one that is no answer dominates it: it is none, either.
 
-Nothing here depends on the order of the list, or on how it was found. Times and ΔV are exact, or
-rounded in favour of walks, and amounts are whole numbers.
+Nothing depends on the order of the list. Times and ΔV are exact, or rounded in favour of walks.
 """
 
 from __future__ import annotations
