@@ -137,11 +137,10 @@ def expand(legs: Legs, question: Question, starts: Labels) -> Expanded:
     """
     pending, closed, toll = [starts], [starts.at(np.s_[:0])], question.toll
     active, made = closed[0], starts.body.size
-    length = legs.shortest - 2.0 * SLACK_S
     while any(part.body.size for part in pending):
         waiting = _joined(pending)
         begin = float(waiting.time.min())
-        is_due = waiting.time < begin + length
+        is_due = waiting.time < begin + legs.shortest - 2.0 * SLACK_S
         due, pending = waiting.at(is_due), [waiting.at(~is_due)]
         if np.any(is_answer(legs, question, due)):
             return Expanded(True, closed[0], made)

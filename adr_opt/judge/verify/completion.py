@@ -177,8 +177,8 @@ def _mark_useful(pair, lands, cost, slots, useful):
     useful : (legs,) bool
         Written.
     """
-    none = lands.max() + 1
-    earliest, last = np.full(slots, none), np.int64(-1)
+    none, last = np.int64(2**62), np.int64(-1)
+    earliest = np.full(slots, none)
     for leg in range(pair.size):
         if pair[leg] != last:
             earliest[:], last = none, pair[leg]
@@ -193,8 +193,7 @@ def _moves(legs: Legs, table: Completion, cost: Array, code: Array) -> Moves:
     assert np.all(leaves < lands)  # a walk is a path forward in time
     order = np.argsort(legs.pair * (table.last.size + 1) - leaves, kind="stable")
     useful = np.zeros(order.size, dtype=np.bool_)
-    if order.size:
-        _mark_useful(legs.pair[order], lands[order], cost[order], table.best.shape[3] - 1, useful)
+    _mark_useful(legs.pair[order], lands[order], cost[order], table.best.shape[3] - 1, useful)
     order = order[useful]
     order = order[np.argsort(leaves[order], kind="stable")]
     origin, destination = np.divmod(legs.pair[order], legs.terms.bodies)
@@ -203,7 +202,8 @@ def _moves(legs: Legs, table: Completion, cost: Array, code: Array) -> Moves:
     return Moves(origin, destination, cost[order], lands[order], code[order], back, first)
 
 
-def _slots_in(delta_v: Array, slot: float) -> Array:
+def slots_in(delta_v: Any, slot: float) -> Any:
+    """Whole slots that there is ΔV for."""
     return np.floor(delta_v / slot + SLOT_SLACK).astype(np.int64)
 
 
@@ -213,12 +213,12 @@ def _images(legs: Legs, slots: int, slot: float) -> Array:
     It is the last one if the stay is not possible.
     """
     terms, cargo = legs.terms, legs.terms.cargo
-    layers, tops = cargo.full.size, _slots_in(cargo.full, slot)
+    layers, tops = cargo.full.size, slots_in(cargo.full, slot)
     body, kits, at = np.indices((terms.bodies, layers, slots)).reshape(3, -1)
     # All that is in a slot is less than the next one.
     after = left_after(cargo, body, kits, (at + 1) * slot)
     top = tops[np.maximum(kits - cargo.takes[body], 0)]
-    image = np.minimum(_slots_in(np.maximum(after, 0.0), slot), top)
+    image = np.minimum(slots_in(np.maximum(after, 0.0), slot), top)
     same = (cargo.share[body, kits] == 1.0) & (cargo.lost[body, kits] == 0.0)
     image = np.where(same, -1, np.where(after < 0.0, slots, image))
     image = np.where(terms.is_station[body], tops[kits], image)
@@ -252,7 +252,7 @@ def completion(
     most = most_slots(8.0 * layers * (last.size + 1) * bodies)
     while slot_m_s < tank and tank / slot_m_s > most:
         slot_m_s *= 2.0
-    slots, bits = int(_slots_in(cargo.full[:1], slot_m_s)[0]) + 1, int(bodies).bit_length() + 1
+    slots, bits = int(slots_in(tank, slot_m_s)) + 1, int(bodies).bit_length() + 1
     largest = max([Fraction(0), *gain]) or Fraction(1)
     # Each leg of a walk ends in a later step than it begins in.
     most_legs = last.size + 1

@@ -92,7 +92,7 @@ def judged_cost(
     if obstacle is not None:
         return CostVerdict(None, 0, (f"the cost part is not yet verifiable: {obstacle}",))
     follows = _walks_together if cost.walks else _walk_alone
-    unproven, labels = follows(instance, certificate, cost, connecting, lists)
+    unproven, labels = follows(_Case(instance, certificate, cost, connecting, lists))
     if unproven is not None:
         return CostVerdict(None, labels, (unproven,))
     return CostVerdict(cost.bound, labels, tuple(_compared(plan, cost)))
@@ -126,14 +126,17 @@ def _spent(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> 
     return Fraction(connecting.spent_m_s(instance.names.index(chaser.start_name)))
 
 
-def _walk_alone(
-    instance: Instance,
-    certificate: Certificate,
-    cost: ProvenCost,
-    connecting: ConnectionFinder,
-    lists: Lists,
-) -> tuple[str | None, int]:
+class _Case(NamedTuple):
+    instance: Instance
+    certificate: Certificate
+    cost: ProvenCost
+    connecting: ConnectionFinder
+    lists: Lists
+
+
+def _walk_alone(case: _Case) -> tuple[str | None, int]:
     """Why it does not follow for a single chaser, and how many labels that took."""
+    instance, certificate, cost, connecting, lists = case
     if cost.bound <= 0.0:
         return None, 0  # nothing costs less than nothing
     (chaser,) = instance.chasers
@@ -154,14 +157,9 @@ def _walk_alone(
     return (answer.why or wrong if answer.reached else None), answer.labels
 
 
-def _walks_together(
-    instance: Instance,
-    certificate: Certificate,
-    cost: ProvenCost,
-    connecting: ConnectionFinder,
-    lists: Lists,
-) -> tuple[str | None, int]:
+def _walks_together(case: _Case) -> tuple[str | None, int]:
     """The same for several chasers."""
+    instance, certificate, cost, connecting, lists = case
     least = _least_worth(instance, certificate, cost)
     paid = [Fraction(each) for each in cost.multipliers.values()]
     paid += [Fraction(cut.multiplier) for cut in cost.cuts]

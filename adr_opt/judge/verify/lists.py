@@ -131,13 +131,11 @@ def _listed(arrays: dict[str, Array], prefix: str) -> Listed:
     columns = [arrays[prefix + name] for name in Labels._fields]
     row = arrays.get(prefix + "row")
     for name, column in zip((*Labels._fields, "row"), (*columns, row), strict=True):
-        if column is None:
-            continue
-        if column.dtype.kind not in ("iu" if name in WHOLE else "f"):
-            raise ValueError(name)
-        if column.ndim != 1 + (name in ("counts", "memory", "odd")):
-            raise ValueError(name)
-        if name != "row" and column.shape[-1] != columns[0].size:
+        if column is not None and not (
+            column.dtype.kind in ("iu" if name in WHOLE else "f")
+            and column.ndim == 1 + (name in ("counts", "memory", "odd"))
+            and (name == "row" or column.shape[-1] == columns[0].size)
+        ):
             raise ValueError(name)
     kinds = [np.int64 if name in WHOLE else np.float64 for name in Labels._fields]
     labels = Labels(*(each.astype(kind) for each, kind in zip(columns, kinds, strict=True)))

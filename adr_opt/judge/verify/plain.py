@@ -11,17 +11,13 @@ from . import cargo, closed, completion, cuts
 @contextmanager
 def plain() -> Iterator[None]:
     """Within this, nothing of the core is compiled: it takes longer, and says the same."""
-    modules = cargo, completion, cuts, closed
-    kernels = [
-        (module, name, each)
-        for module in modules
-        for name, each in vars(module).items()
-        if hasattr(each, "py_func")
-    ]
+    of_modules = [(module, vars(module).copy()) for module in (cargo, completion, cuts, closed)]
     try:
-        for module, name, each in kernels:
-            setattr(module, name, each.py_func)
+        for module, names in of_modules:
+            vars(module).update(
+                (name, getattr(each, "py_func", each)) for name, each in names.items()
+            )
         yield
     finally:
-        for module, name, each in kernels:
-            setattr(module, name, each)
+        for module, names in of_modules:
+            vars(module).update(names)

@@ -26,9 +26,9 @@ import numpy.typing as npt
 from ...common.constants import SLACK_S
 from ...common.errors import InputError
 from ...common.memory import available_bytes
-from ...kernels.core.compile import inlined, kernel
+from ...kernels.core.compile import kernel
 from ...legs.connection_finder import ConnectionFinder
-from .completion import SLOT_SLACK
+from .completion import SLOT_SLACK, slots_in
 from .terms import Terms, flown_from
 
 DEPARTURE, DESTINATION, AHEAD, FIELD = 48, 32, 16, 0xFFFF
@@ -39,12 +39,6 @@ MOST = 2**15 - 2
 
 MEMORY_SHARE = 0.8
 """Share of free memory that legs and values may take."""
-
-
-@inlined
-def _slots_in(delta_v, slot):
-    """Number of slots of ΔV in a tank with a given remainder."""
-    return int(delta_v / slot + SLOT_SLACK)
 
 
 class Counting(NamedTuple):
@@ -245,7 +239,7 @@ def most_in_steps(
         there is, or services change what is left of a tank and ΔV is looked at all the same.
     """
     steps = math.floor(max(terms.last, 0.0) / length_s) + 2
-    slots = _slots_in(float(terms.cargo.full[0]), slot_m_s) + 1
+    slots = int(slots_in(terms.cargo.full[0], slot_m_s)) + 1
     if max(steps, slots, terms.bodies) > MOST:
         raise InputError(
             f"not verifiable: {steps} steps, {slots} slots and {terms.bodies} bodies are too many; "
@@ -263,9 +257,9 @@ def most_in_steps(
     count = sum(each.size for each in legs)
     price = Fraction(0) if worth_per_m_s is None else worth_per_m_s * Fraction(slot_m_s)
     unit, units, toll = _in_units(gains, price, slots, steps // max(1, shortest) + 2, counting)
-    bits, kind = _bits(terms.bodies), counting.kind
+    bits, kind = terms.bodies.bit_length(), counting.kind
     mask = kind((1 << bits) - 1)
-    begun = _slots_in(float(terms.begun[-1]), slot_m_s)
+    begun = int(slots_in(terms.begun[-1], slot_m_s))
     worths = list(units)
     for body in np.flatnonzero(terms.is_station):
         worths[body] += toll * (slots - 1)
@@ -300,11 +294,6 @@ def most_in_steps(
     if most < counting.never // 2:
         return None, count
     return Fraction(unit) * ((most >> bits) + toll * begun), count
-
-
-def _bits(bodies: int) -> int:
-    """Number of bits of an index that no body has."""
-    return int(bodies).bit_length()
 
 
 def _step(time_s: float, length_s: float) -> int:
@@ -364,7 +353,7 @@ def _in_units(
     """
     tank = price * (slots - 1)
     largest = max([Fraction(0), *gains]) + tank
-    most = counting.largest >> _bits(len(gains))
+    most = counting.largest >> len(gains).bit_length()
     # Below the largest by so much nobody comes to a body who need not.
     each = most // (most_legs + 1)
     share = largest / each or Fraction(1)

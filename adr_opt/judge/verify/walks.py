@@ -185,14 +185,11 @@ def _starts(legs: Legs, question: Question, losses: Sequence[Loss], unit: Fracti
     Of kits that weigh something there are as many aboard as will be left behind, be it any number.
     """
     terms, cargo, counting = legs.terms, legs.terms.cargo, legs.terms.counting
-    most_kits, found = cargo.full.size - 1, []
-    for body in terms.starts.tolist():
-        is_launch = body != terms.home
-        takes = int(cargo.takes[body]) if is_launch else 0
-        found += [(body, kits, takes) for kits in range(takes, most_kits + 1)]
-    body, kits, takes = np.array(found).T
-    if not cargo.heavy:
-        body, kits, takes = (each[kits == most_kits] for each in (body, kits, takes))
+    layers = cargo.full.size
+    body, kits = np.repeat(terms.starts, layers), np.tile(np.arange(layers), terms.starts.size)
+    takes = np.where(body != terms.home, cargo.takes[body], 0)
+    may = (kits >= takes) & (cargo.heavy | (kits == layers - 1))
+    body, kits, takes = body[may], kits[may], takes[may]
     is_launch, left = body != terms.home, terms.begun[kits]
     # Who is launched onto a target has serviced it by then.
     left = np.where(is_launch, left_after(cargo, body, kits, left), left)
