@@ -11,12 +11,14 @@
     python bench/flights.py hold --limit 12
     python bench/flights.py releases --limit 12
     python bench/flights.py fragments CATALOGUE --limit 60
+    python bench/flights.py missed --targets 1000
 
 Real catalogues are those of the folder that ADR_OPT_EXTERNAL_DATA names.
 """
 
 import sys
 
+from flight_tables.approaches import missed
 from flight_tables.errors import errors, target_errors
 from flight_tables.loops import loop, savings, thrust
 from flight_tables.missions import fragments, hold, releases
@@ -38,5 +40,6 @@ if __name__ == "__main__":
             hold,
             releases,
             fragments,
+            missed,
         )
     )

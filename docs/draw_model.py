@@ -20,13 +20,16 @@ import numpy as np
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
+from adr_opt.judge.check.missed import CAPTURE_REVOLUTIONS, begun, flights, rule_of
 from adr_opt.kernels.legs import co_elliptic as transfer
 from adr_opt.kernels.legs import drift_linear as drifts
 from adr_opt.kernels.legs import sequences
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.kernels.tables import timetable as kernels
 from adr_opt.mission.certified import certify
-from adr_opt.problem.settings import KeepOutZone
+from adr_opt.problem.agreement import ROUNDEST
+from adr_opt.problem.approach import LAPS_AFTER, approach_of
+from adr_opt.problem.settings import KeepOutZone, TransferSettings
 from adr_opt.ui import plot
 
 FOLDER = Path(__file__).with_name("pictures")
@@ -144,6 +147,76 @@ def _heights(instance: adr_opt.Instance, plan: adr_opt.Plan) -> Iterator[tuple[s
     for _, arc in sample(instance, plan, 60.0).arcs():
         altitudes = np.linalg.norm(arc.positions_m, axis=1) - EARTH_RADIUS_M
         yield arc.phase, arc.times_s / 3600.0, altitudes / 1000.0
+
+
+def approach() -> Any:
+    """A safety ellipse as flown under J2, with each burn up to the capture missed."""
+    settings = TransferSettings(approach="safety-ellipse")
+    rows, keep_m = approach_of(settings).burns, settings.keep_out_m
+    judged = int(np.sum(rows[:, 0] <= rows[-1, 0] - CAPTURE_REVOLUTIONS))
+    orbit = EARTH_RADIUS_M + 800e3, ROUNDEST, *np.radians([70.0, 40.0, 30.0, 110.0])
+    target, chaser, motion = begun(np.array([orbit]), settings.standoff_m)
+    revolution = math.tau / motion[:, 0]
+    times = rows[:, :1] * revolution
+    ends = times[:, 0] + LAPS_AFTER * revolution
+    tracks: list[list[Any]] = [[] for _ in range(judged + 1)]
+    burn, last = rule_of(rows, motion), ends[judged - 1 : judged]
+    for step, (now, there, flown) in enumerate(flights(target, chaser, times, burn, last)):
+        outward = there[0, :3] / np.linalg.norm(there[0, :3])
+        across = np.cross(there[0, :3], there[0, 3:])
+        across /= np.linalg.norm(across)
+        seen = (flown[:, 0, :3] - there[0, :3]) @ np.stack(
+            [np.cross(across, outward), outward, across], axis=1
+        )
+        for number in range(judged):
+            falls = times[number, 0] <= now[0] <= ends[number]
+            if falls and (step % 6 == 0 or not tracks[number]):
+                tracks[number].append(seen[number])
+        if now[0] <= times[-1, 0] and step % 2 == 0:
+            tracks[judged].append(seen[-1])
+    figure, (side, front) = plt.subplots(
+        2, 1, figsize=(WIDTH_IN, 6.6), height_ratios=(4, 5), gridspec_kw={"hspace": 0.35}
+    )
+    paths = [np.array(each) for each in tracks]
+    for ax, first, second in ((side, 0, 1), (front, 2, 1)):
+        for number, path in enumerate(paths[:-1]):
+            ax.plot(
+                path[:, first],
+                path[:, second],
+                color=FAINT,
+                lw=0.7,
+                zorder=1,
+                label=None if number else "after a missed burn, 8 revolutions",
+            )
+        ax.plot(
+            paths[-1][:, first],
+            paths[-1][:, second],
+            color=plot.COLOURS["approach"],
+            lw=2.0,
+            label="with all burns",
+            zorder=3,
+        )
+        ax.add_patch(
+            plt.Circle(
+                (0.0, 0.0),
+                keep_m,
+                facecolor=ZONE,
+                alpha=0.25,
+                zorder=2,
+                label=f"kept out of, {keep_m:g} m",
+            )
+        )
+        ax.plot([0.0], [0.0], "s", color=plot.COLOURS["service"], ms=6, zorder=5)
+        for number, path in enumerate(paths[:-1], start=1):
+            place = path[0, first], path[0, second]
+            ax.plot(*place, "o", color=INK, ms=4, zorder=6)
+            ax.annotate(str(number), place, xytext=(5, 5), textcoords="offset points", fontsize=10)
+        ax.set_ylabel("radial [m]")
+        ax.set_aspect("equal")
+    side.set(xlim=(-2300, 900), ylim=(-520, 520), xlabel="along the track [m]")
+    front.set(xlim=(-520, 520), ylim=(-460, 460), xlabel="across the track [m]")
+    front.legend(loc="center left", bbox_to_anchor=(1.02, 0.5))
+    return figure
 
 
 def leg() -> Any:
@@ -433,6 +506,7 @@ PICTURES: dict[str, Callable[[], Any]] = {
     "drift": drift,
     "flown": flown,
     "mission": mission,
+    "approach": approach,
 }
 
 

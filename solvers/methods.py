@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from adr_opt.problem.rules import CAMPAIGNS, FIRST, PLAYED, TOURS
+from adr_opt.problem.rules import CAMPAIGNS, FIRST, MODELLED, PLAYED, TOURS
 from adr_opt.run.method_spec import MethodSpec, Practice
 
-ON_A_TANK = FIRST | {"visits between refuellings"}
+MODEL = FIRST | MODELLED
+"""What follows from the connections, and the rules of 1.0."""
+
+ON_A_TANK = MODEL | {"visits between refuellings"}
 """What moves, labels and walks of one chaser follow; walks that do not count visits bound those
 that do."""
 
@@ -48,7 +51,7 @@ GREEDY_GUARDED = MethodSpec(
 ORTOOLS = MethodSpec(
     "ortools",
     "solvers.planners.ortools_windows:ortools",
-    follows=FIRST | {"several chasers"},
+    follows=MODEL | {"several chasers"},
     starts=True,
     uses_cores=True,
 )
@@ -61,7 +64,9 @@ BEAM = MethodSpec(
     table_options=("policy",),
 )
 
-LOCAL_SEARCH = MethodSpec("local-search", "solvers.planners.local_search:local_search", starts=True)
+LOCAL_SEARCH = MethodSpec(
+    "local-search", "solvers.planners.local_search:local_search", follows=MODEL, starts=True
+)
 
 MCTS = MethodSpec("mcts", "solvers.planners.mcts:mcts", follows=ON_A_TANK)
 
@@ -70,6 +75,7 @@ PPO = MethodSpec("ppo", "solvers.planners.ppo:ppo", follows=PLAYED, uses_cores=T
 MIP = MethodSpec(
     "mip",
     "solvers.planners.mip:mip",
+    follows=MODEL,
     starts=True,
     uses_cores=True,
     practice=Practice(rounds=6, options={"evaluations": 4}),

@@ -18,7 +18,7 @@ from ..mission.mission import Mission
 from ..mission.problem import Problem, problem_of
 from ..plan.plan import Leg, Plan
 from ..problem.instance import AnyInstance, Instance
-from ..problem.rules import CAMPAIGNS, FIRST, Follower
+from ..problem.rules import CAMPAIGNS, FIRST, MODELLED, Follower
 from ..problem.support import followed
 from ..run.legal_moves import why_illegal
 from .remedies import Remedy, Shortfall, missing, remedies
@@ -138,7 +138,7 @@ class PricedOrder(Shown):
         }
 
 
-FOLLOWS = Follower("price", FIRST | CAMPAIGNS | {"functions of time"})
+FOLLOWS = Follower("price", FIRST | CAMPAIGNS | MODELLED | {"functions of time"})
 
 
 def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedOrder:

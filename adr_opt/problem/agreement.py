@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from ..common.constants import EARTH_RADIUS_M
 from ..common.tolerance import common_step
+from .approach import approach_of
 from .bodies import DisposalCircle, Station, Target
 from .chasers import AtStation, Chaser, InOrbit, TankByMass
 from .settings import MissionSettings, Objective, TransferSettings
@@ -162,8 +163,12 @@ def check_orbits(
                 )
 
 
-MOST_KEEP_OUT = 0.9
-"""Largest radius that is kept out of, as a share of how near the stand-off itself comes."""
+MOST_KEEP_OUT = 0.75
+"""Largest radius that is kept out of, as a share of how near the stand-off itself comes: J2 brings
+a chaser nearer that has begun its oscillations and goes on waiting there."""
+
+ROUNDEST = 0.02
+"""Largest eccentricity of bodies that safety ellipses are flown about."""
 
 
 def check_approach(transfer: TransferSettings, bodies: Sequence[Station | Target]) -> None:
@@ -175,13 +180,25 @@ def check_approach(transfer: TransferSettings, bodies: Sequence[Station | Target
             f'field transfer.approach = "{transfer.approach}": the paths of given connections are '
             "not known; leave it out"
         )
+    if transfer.max_drift_s > 0.0:
+        raise ValueError(
+            f'field transfer.approach = "{transfer.approach}": transfers that drift do not charge '
+            "it yet; leave transfer.max_drift_s out"
+        )
+    approach_of(transfer)
     for body in bodies:
         assert body.orbit is not None
-        most = MOST_KEEP_OUT * transfer.standoff_m * (1.0 - body.orbit.eccentricity)
+        e = body.orbit.eccentricity
+        if e > ROUNDEST:
+            raise ValueError(
+                f'field transfer.approach = "{transfer.approach}": not about {body.name!r}, of '
+                f"eccentricity {e:.3g}, but up to {ROUNDEST}; leave it out"
+            )
+        most = MOST_KEEP_OUT * transfer.standoff_m * (1.0 - e) / (1.0 + e)
         if transfer.keep_out_m > most:
             raise ValueError(
                 f"field transfer.keep_out_m = {transfer.keep_out_m!r}: must be at most {most:.0f} "
-                f"m, {MOST_KEEP_OUT} standoff_m (1 − e) of {body.name!r}"
+                f"m, {MOST_KEEP_OUT} standoff_m (1 − e) / (1 + e) of {body.name!r}"
             )
 
 

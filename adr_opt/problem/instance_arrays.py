@@ -11,6 +11,7 @@ import numpy.typing as npt
 from ..common.constants import EARTH_RADIUS_M, HOUR_S, SLACK_M, SLACK_S
 from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.orbits.ephemeris import ORBIT_COLUMNS
+from .approach import approach_of
 from .orbit import Orbit
 from .settings import KeepOutZone, TransferSettings
 
@@ -105,14 +106,17 @@ def rule_of(
     time_value_m_s_per_h: float,
 ) -> TransferRule:
     """Transfer settings and zones as kernels take them (radii, m/s per s)."""
+    approach = approach_of(settings)
     return TransferRule(
         settings.first_leg_fraction,
         settings.standoff_m,
-        0.5,
+        approach.revolutions,
         settings.max_phasing_revolutions,
         EARTH_RADIUS_M + settings.min_altitude_m,
         EARTH_RADIUS_M + settings.max_altitude_m,
         time_value_m_s_per_h / HOUR_S,
         zone_rows(zones),
         oblateness_m2,
+        approach.length_m,
+        approach.burns,
     )

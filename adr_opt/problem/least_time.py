@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..common.constants import EARTH_RADIUS_M, MU_M3_S2
+from .approach import approach_of
 from .instance import Instance
 
 FloatArray = npt.NDArray[np.float64]
@@ -43,7 +44,7 @@ def least_end_s(instance: Instance) -> float | None:
         flight: FloatArray | float = 0.0
         if not chaser.is_launched:
             first = _half(0.5 * (radii[start] + low))
-            flight = first + last_two + 0.5 * periods
+            flight = first + last_two + approach_of(rule).revolutions * periods
         found.append(max(since, 0.0) + NODAL_SHARE * float((flight + service).min()))
     return min(found)
 

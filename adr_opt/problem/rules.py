@@ -377,11 +377,21 @@ TOGETHER = frozenset(
 )
 """What planners follow each alone; judges follow them together as well."""
 
-JUDGED = FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time", "visits between refuellings"}
+MODELLED = frozenset({"safety ellipse"})
+"""Rules of the model's own connections: whoever takes these as they are follows them."""
+
+JUDGED = (
+    FIRST
+    | CAMPAIGNS
+    | TOURS
+    | TOGETHER
+    | MODELLED
+    | {"functions of time", "visits between refuellings"}
+)
 """What both judges state once more, and all follow that make, hold, compare and show what planners
 are told and plan: a rule comes in here by hand, with its judges."""
 
-PLAYED = (FIRST | {"visits between refuellings"}) - {
+PLAYED = (FIRST | MODELLED | {"visits between refuellings"}) - {
     "bodies without an orbit",
     "prizes that fall",
     "number of stations",

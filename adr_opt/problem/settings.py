@@ -140,6 +140,8 @@ class MissionSettings(Record):
         return without(write(self), *NOT_WRITTEN)
 
 
+ApproachName = Literal["half-lap", "safety-ellipse"]
+
 OF_THE_ELLIPSE = ("keep_out_m", "approach_revolutions", "inspection_revolutions")
 """Parameters of a safety ellipse alone."""
 
@@ -157,10 +159,15 @@ class SequenceSettings(Record):
     max_phasing_revolutions: Annotated[int, Field(ge=0, le=100)] = 12
     min_altitude_m: Length = 300e3
     max_altitude_m: Length = 2000e3
-    approach: Literal["half-lap", "safety-ellipse"] = "half-lap"
+    approach: ApproachName = "half-lap"
     keep_out_m: Positive = 200.0
     approach_revolutions: Annotated[int, Field(ge=1, le=100)] = 2
     inspection_revolutions: Annotated[int, Field(ge=0, le=100)] = 0
+
+    @property
+    def kept_out_m(self) -> float | None:
+        """Radius that the approach keeps out of, whichever burn is missed; None for half a lap."""
+        return None if self.approach == "half-lap" else self.keep_out_m
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from datetime import datetime
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from ..common.constants import DAY_S
 from ..common.errors import InputError
@@ -15,6 +15,7 @@ from ..problem.chasers import TWO_KINDS
 from .crew_options import check_positive
 
 if TYPE_CHECKING:
+    from ..problem.settings import ApproachName
     from .catalogue import MissionOutline
 
 
@@ -33,6 +34,7 @@ class MissionOptions(NamedTuple):
     max_drift_days: float | None = None
     departure_spacing_days: float | None = None
     resolution: float | None = None
+    approach: ApproachName | None = None
 
     def outline(self, *, thrust: bool = False, fitted_by: str | None = None) -> MissionOutline:
         """The mission.
@@ -58,13 +60,14 @@ class MissionOptions(NamedTuple):
             raise InputError(
                 f"--duration-days = {days:g}: must be at most {LARGEST_DURATION_S / DAY_S:g}"
             )
-        transfer = transfer_of(
+        transfer: dict[str, Any] = transfer_of(
             self.dynamics,
             self.drift_step_days,
             self.max_drift_days,
             self.departure_spacing_days,
             self.resolution,
         )
+        transfer["approach"] = self.approach
         if thrust and (self.dynamics != "j2" or self.max_drift_days == 0.0):
             raise InputError(
                 "--thrust: such transfers drift; leave --dynamics j2 and --max-drift-days"
@@ -160,6 +163,7 @@ def check_objects(names: Iterable[str], max_targets: int | None) -> None:
 
 
 OPTIONS = {
+    "approach": "--approach",
     "circle_m": "--disposal-altitude",
     "delta_v_m_s": "--delta-v",
     "delta_v_resolution_m_s": "--resolution",

@@ -240,7 +240,7 @@ def _of_model(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
             flown = np.minimum(flown, settings.drift_step_s)
         return flown + service, np.zeros_like(flown)
     cubes = elements.radii(arriving, EPOCH_S) ** 3
-    approach = 0.5 * rule.standoff * np.sqrt(MU_M3_S2 / cubes)
+    approach = rule.approach_length * np.sqrt(MU_M3_S2 / cubes)
     slowest = np.sqrt(2.0 * MU_M3_S2 * radii / (rule.max_radius * (rule.max_radius + radii)))
     return flown + service, approach + _turns(_normals(leaving), _normals(arriving), slowest)
 

@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 from rated_fields import rated, worths_of_sets
+from seeds import first_of
 
 import adr_opt
 from adr_opt.analysis import Axis, CampaignPrices, DesignStudy, design_study, parse_axis, tradeoff
@@ -203,9 +204,7 @@ def every_set(
     return found
 
 
-@pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 8))]
-)
+@pytest.mark.parametrize("seed", first_of(range(8), gate=1))
 def test_bounds_hold_for_every_set_within_a_budget(seed: int) -> None:
     """No set of which a plan is found avoids more than the bound, whatever the budget."""
     field = rated(seed, targets=3 if seed == 0 else 4, chasers=2)
@@ -222,9 +221,7 @@ def test_bounds_hold_for_every_set_within_a_budget(seed: int) -> None:
     assert study.points[-1].worth > 0.0
 
 
-@pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 12))]
-)
+@pytest.mark.parametrize("seed", first_of(range(12), gate=1))
 def test_bounds_hold_where_targets_are_required(seed: int) -> None:
     """Required targets that one launch cannot take are no proof against two within the budget.
 

@@ -257,7 +257,7 @@ def _best(facts: MissionFacts, uncertainty: Uncertainty, worths: dict[int, float
 
 
 @pytest.mark.parametrize(
-    ("seed", "count", "most_missed"), [(3, 4, 1), pytest.param(4, 60, 12, marks=pytest.mark.slow)]
+    ("seed", "count", "most_missed"), [(3, 2, 1), pytest.param(4, 60, 12, marks=pytest.mark.slow)]
 )
 def test_bounds_hold_for_every_plan_that_keeps_its_promise(
     seed: int, count: int, most_missed: int
@@ -310,7 +310,7 @@ def test_tanks_by_mass_hold_as_promised(name: str) -> None:
 
 def test_plans_are_kept_as_often_as_asked() -> None:
     """A plan made with a confidence is kept in that share of rehearsals, a plain one is not."""
-    instance = adr_opt.generate("reduced-fuel", seed=1, targets=25)
+    instance = adr_opt.generate("reduced-fuel", seed=1, targets=15)
     uncertainty = Uncertainty(
         legs={"delta_v_factor": {"lognormal_sigma": 0.1}},
         service_s={"factor": {"lognormal_sigma": 0.1}},

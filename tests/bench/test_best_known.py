@@ -167,7 +167,7 @@ def consistent(script: ModuleType, folder: Path, every: int = 1) -> dict[str, An
     return rows
 
 
-@pytest.mark.parametrize("every", [30, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("every", [90, pytest.param(1, marks=pytest.mark.slow)])
 def test_the_committed_table_agrees_with_its_plans(script: ModuleType, every: int) -> None:
     """Rows of the repository: `check` passes, objective, ΔV, bound and gap are the plan's."""
     consistent(script, ROOT / "instances", every)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
+import ast
 import re
-import sys
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
 pytest.importorskip("grimp")
+import house
 
 MOST_MODULES_OF_A_RULE = 10
 
@@ -18,19 +17,13 @@ MOST_STOREYS, MOST_ROOM_STOREYS = 32, 12  # the server stands on the judges
 
 
 @pytest.fixture(scope="module")
-def house() -> ModuleType:
-    """The script that counts."""
-    path = Path(__file__).parents[2] / "bench/house.py"
-    spec = importlib.util.spec_from_file_location("house", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["house"] = module
-    spec.loader.exec_module(module)
-    return module
+def modules() -> dict[str, ast.Module]:
+    """Modules of the product, parsed."""
+    found: dict[str, ast.Module] = house.modules()
+    return found
 
 
-def test_imports_lead_downwards(house: ModuleType) -> None:
+def test_imports_lead_downwards() -> None:
     """Imports, those inside functions and for types as well, form no circle and never go up."""
     edges = house.imports()
     assert house.circles(edges) == []
@@ -40,12 +33,10 @@ def test_imports_lead_downwards(house: ModuleType) -> None:
     assert house.storeys(house.by_room(edges)) <= MOST_ROOM_STOREYS
 
 
-def test_a_rule_stands_in_few_modules_and_all_are_named(house: ModuleType) -> None:
+def test_a_rule_stands_in_few_modules_and_all_are_named(modules: dict[str, ast.Module]) -> None:
     """The walk of a rule in CONTRIBUTING names each module that knows of it, ten at most."""
     known = {
-        name.replace(".", "/") + ".py"
-        for name, tree in house.modules().items()
-        if house.knows_visits(tree)
+        name.replace(".", "/") + ".py" for name, tree in modules.items() if house.knows_visits(tree)
     }
     text = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
     table = text.partition("## Adding a rule")[2].partition("| what |")[2].partition("\n\n")[0]
@@ -53,12 +44,12 @@ def test_a_rule_stands_in_few_modules_and_all_are_named(house: ModuleType) -> No
     assert len(known) <= MOST_MODULES_OF_A_RULE
 
 
-def test_names_of_public_classes_stand_once(house: ModuleType) -> None:
+def test_names_of_public_classes_stand_once(modules: dict[str, ast.Module]) -> None:
     """No two public classes of the product have one name."""
-    assert house.shared_names(house.modules()) == []
+    assert house.shared_names(modules) == []
 
 
-def test_what_is_forbidden_is_found(house: ModuleType) -> None:
+def test_what_is_forbidden_is_found() -> None:
     """A circle of two, and an import upwards, are counted."""
     loop = {"adr_opt.plan.a": {"adr_opt.plan.b"}, "adr_opt.plan.b": {"adr_opt.plan.a"}}
     assert house.circles(loop) == [["adr_opt.plan.a", "adr_opt.plan.b"]]
@@ -67,7 +58,7 @@ def test_what_is_forbidden_is_found(house: ModuleType) -> None:
     ]
 
 
-def test_the_formatter_decides(house: ModuleType) -> None:
+def test_the_formatter_decides() -> None:
     """No line is kept from the formatter, and lines of code are told from all others."""
     folders = ("adr_opt", "solvers", "bench", "examples", "tests")
     assert not [text for text in house.files(*folders) if "fmt:" + " " in text]

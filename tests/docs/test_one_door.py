@@ -46,6 +46,8 @@ DOORS = {
 
 def called(source: str) -> Iterator[tuple[int, str]]:
     """Calls and imports by name, with the name before the dot and without, and their lines."""
+    if not any(all(part in source for part in name.split(".")) for name in DOORS):
+        return  # without parsing
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Attribute):
             yield node.lineno, node.attr

@@ -28,6 +28,8 @@ OWN = {*Table._fields, *PackedColumn._fields}
 
 def touched(source: str) -> Iterator[str]:
     """Every look at an array of a table, and at a spacing of anything."""
+    if not any(f"{name}." in source for name in HOLDERS) and ".spacing" not in source:
+        return  # without parsing
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Attribute) and node.attr in OWN:
             holder = node.value
@@ -93,7 +95,10 @@ ELEMENTS = {name for name in vars(columns) if name.isupper()} - {"ORBIT_COLUMNS"
 
 def columns_named(source: str, package: str) -> Iterator[str]:
     """Every use of a column of a body by its name, or by its number in the rows of an instance."""
-    tree, rooms = ast.parse(source), {"ephemeris", "columns"}
+    rooms = {"ephemeris", "columns"}
+    if not any(name in source for name in ("orbits", *rooms)):
+        return  # without parsing
+    tree = ast.parse(source)
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):
             module = module_of(node, package)

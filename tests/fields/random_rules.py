@@ -595,10 +595,24 @@ def visiting_hurried(seed: int) -> Instance:
     return visiting(hurried_mission(seed), seed)
 
 
+def rounding_mission(seed: int) -> Instance:
+    """A mission of hours or days whose targets are approached on safety ellipses."""
+    rng = np.random.default_rng([4, seed])
+    instance = (random_mission, drifting_mission)[seed % 2](seed)
+    transfer = instance.transfer.replace(
+        approach="safety-ellipse",
+        keep_out_m=float(rng.uniform(50.0, 600.0)),
+        approach_revolutions=int(rng.integers(1, 4)),
+        inspection_revolutions=int(rng.choice([0, 0, 2])),
+    )
+    return instance.replace(transfer=transfer)
+
+
 DRAWS: dict[str, Callable[[int], Instance]] = {
     "random": random_mission,
     "drifting": drifting_mission,
     "given": given_mission,
+    "rounding": rounding_mission,
     "towing": towing_mission,
     "falling": falling_mission,
     "campaign": random_campaign,

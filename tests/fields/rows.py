@@ -12,6 +12,8 @@ from adr_opt.common.constants import EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.orbits import columns
 from adr_opt.kernels.orbits.ephemeris import body_row
+from adr_opt.problem.approach import approach_of
+from adr_opt.problem.settings import TransferSettings
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -89,21 +91,25 @@ def rule(
     zones: Iterable[Sequence[float]] = (),
     time_value_m_s_per_h: float = 75.0,
     k_max: int = 12,
-    laps: float = 0.5,
     fraction: float = 0.75,
     standoff: float = 1000.0,
     limits: tuple[float, float] = (LOWEST_M, HIGHEST_M),
+    ellipse: bool = False,
 ) -> co_elliptic.TransferRule:
     """The usual rule of transfers but for what is stated."""
+    settings = TransferSettings(standoff_m=standoff)
+    approach = approach_of(settings.replace(approach="safety-ellipse") if ellipse else settings)
     return co_elliptic.TransferRule(
         fraction,
         standoff,
-        laps,
+        approach.revolutions,
         k_max,
         *limits,
         time_value_m_s_per_h / 3600.0,
         np.array(list(zones), dtype=float).reshape(-1, 4),
         oblateness,
+        approach.length_m,
+        approach.burns,
     )
 
 

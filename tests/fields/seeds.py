@@ -1,4 +1,4 @@
-"""Tests over many seeds: the first ones at the gate, all others in a test marked ``slow``."""
+"""Tests over many seeds or examples: some at the gate, all in a test marked ``slow``."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from functools import wraps
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
 
 Decorator = Callable[[Callable[..., None]], Callable[..., None]]
 
@@ -29,6 +30,18 @@ def over_kinds(names: str, **kinds: tuple[Any, ...]) -> pytest.MarkDecorator:
         if others := seeds[gate:]:
             cases.append(pytest.param(*values, others, id=f"{name}-slow", marks=pytest.mark.slow))
     return pytest.mark.parametrize(names, cases)
+
+
+def first_of(values: Sequence[Any], *, gate: int) -> list[Any]:
+    """Values of one argument of a test: the first ones at the gate, the others with ``slow``.
+
+    Parameters
+    ----------
+    values : sequence
+    gate : int
+        Number of values at the gate.
+    """
+    return [*values[:gate], *(pytest.param(each, marks=pytest.mark.slow) for each in values[gate:])]
 
 
 def over_seeds(seeds: Sequence[Any], *, gate: int) -> Decorator:
@@ -63,5 +76,30 @@ def over_seeds(seeds: Sequence[Any], *, gate: int) -> Decorator:
         own = [each.replace(name="seeds") if each.name == "seed" else each for each in own]
         vars(loop)["__signature__"] = signature.replace(parameters=own)
         return over_kinds("seeds", seeds=(seeds, gate))(loop)
+
+    return decorate
+
+
+def over_examples(*strategies: Any, gate: int, full: int, **more: Any) -> Decorator:
+    """Let Hypothesis draw the arguments of a test.
+
+    Parameters
+    ----------
+    *strategies : SearchStrategy
+        Of the arguments.
+    gate, full : int
+        Number of examples at the gate, and in the test marked ``slow``.
+    **more
+        Other settings.
+    """
+
+    def decorate(test: Callable[..., None]) -> Callable[..., None]:
+        def drawn(examples: int) -> None:
+            limited = settings(max_examples=examples, deadline=None, **more)
+            limited(given(*strategies)(test))()
+
+        drawn.__doc__ = test.__doc__
+        all_ = pytest.param(full, marks=pytest.mark.slow)
+        return pytest.mark.parametrize("examples", [gate, all_])(drawn)
 
     return decorate

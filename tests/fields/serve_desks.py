@@ -14,6 +14,9 @@ from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.session import EditingSession
 from adr_opt.ui.serve.work import Work
 
+PATIENCE_S = 300.0
+"""After so long what is waited for does not come, however busy the machine."""
+
 
 def session_of(instance: Instance | None, plan: Plan | None, folder: Folder) -> EditingSession:
     """A session that plans in a thread of this process."""
@@ -42,13 +45,13 @@ def at_hand(folder: Path) -> list[str]:
 
 def wait(desk: EditingSession) -> planning.PlanningProgress:
     """The run once it is over."""
-    assert desk._work.wait(60.0)
+    assert desk._work.wait(PATIENCE_S)
     return desk.progress()
 
 
 def until(condition: Callable[[], Any]) -> None:
     """Wait until something holds."""
-    end = time.monotonic() + 60.0
+    end = time.monotonic() + PATIENCE_S
     while not condition():
         assert time.monotonic() < end
         time.sleep(0.01)

@@ -56,7 +56,7 @@ def patient(mission, *, seed, stop, progress):
 def deaf(mission, *, seed, stop, progress):
     """Never ask."""
     Path("started").touch()
-    time.sleep(60.0)
+    time.sleep(600.0)
 
 
 def lid(mission, *, seed, stop, progress, start=None):

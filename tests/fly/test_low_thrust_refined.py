@@ -33,7 +33,7 @@ from adr_opt.problem.instance import Instance
 @cache
 def mission(seed: int) -> tuple[Instance, Plan]:
     """A drawn mission of low thrust, and a plan."""
-    instance = electric(seed, targets=6)
+    instance = electric(seed, targets=3)
     plan = adr_opt.solve(instance, method="greedy-guarded").plan
     assert plan is not None
     return instance, plan

@@ -138,7 +138,7 @@ WITHIN = (
 """Edits that may be smaller than tolerances."""
 
 
-@over_kinds("numbers", edits=(range(2000), 224))
+@over_kinds("numbers", edits=(range(2000), 112))
 def test_every_edit_is_noticed(numbers: range) -> None:
     """An edit at random is refused, or noticed, or leaves every state within 10 m and 1 cm/s."""
     kinds = ("own-burns", "j2", "tows", "chasers")

@@ -63,7 +63,7 @@ def test_what_floors_prove_is_verified(draw):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(SEEDS), 12),
+    two_body=(random_mission, range(SEEDS), 6),
     j2=(drifting_mission, range(SEEDS), 15),
 )
 def test_at_any_prices_no_plan_collects_more(draw, seeds):

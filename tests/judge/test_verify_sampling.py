@@ -150,9 +150,9 @@ def test_connections_that_arrive_too_soon_are_found_out(seed):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(24), 7),
+    two_body=(random_mission, range(24), 4),
     j2=(drifting_mission, range(24), 1),
-    given=(given_mission, range(24), 7),
+    given=(given_mission, range(24), 4),
 )
 def test_connections_are_those_of_check(draw, seeds):
     """All that are drawn can be flown, none is missing; spoilt ones are found out."""
@@ -186,12 +186,18 @@ def test_connections_from_where_tows_lead_are_those_of_check(seeds):
     assert found_missing > 0.3 * len(seeds)
 
 
-@pytest.mark.parametrize("seed", [7013, 7033, 7048])
-def test_no_connection_is_missed_to_where_a_tow_would_end_far_from_its_circle(seed):
+@pytest.mark.parametrize(
+    ("seed", "count"),
+    [
+        (7048, 200),
+        *(pytest.param(each, 1000, marks=pytest.mark.slow) for each in (7013, 7033, 7048)),
+    ],
+)
+def test_no_connection_is_missed_to_where_a_tow_would_end_far_from_its_circle(seed, count):
     """What tables leave out since `check` would refuse the tow is no gap in a proof."""
     instance = visiting_mission(seed)
     finder = ConnectionFinder(instance, relaxed=True)
     assert np.isneginf(finder.ends.altitudes.arrive_by).any()
-    sampled = sample_connections(instance, finder, 1000, 0)
+    sampled = sample_connections(instance, finder, count, 0)
     assert sampled.faults == ()
-    assert sampled.departures > 100
+    assert sampled.departures > count / 10

@@ -26,7 +26,7 @@ from adr_opt.mission.mission import Mission
 every_mission = over_kinds(
     "draw, seeds",
     **{
-        draw.__name__: (draw, range(40), 7)
+        draw.__name__: (draw, range(40), 4)
         for draw in (
             random_mission,
             drifting_mission,

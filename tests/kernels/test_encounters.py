@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
-import sys
-from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
+from harness import moving_points as moving
 from scipy.integrate import quad
 from scipy.special import ellipkm1
 
@@ -23,19 +20,6 @@ from adr_opt.kernels.orbits.encounters import (
     tilt_factor,
 )
 from adr_opt.sources.worth.pairs import mean_speeds
-
-
-@pytest.fixture(scope="module")
-def moving() -> ModuleType:
-    """The Monte Carlo of the bench."""
-    path = Path(__file__).parents[2] / "bench/harness/moving_points.py"
-    spec = importlib.util.spec_from_file_location("moving_points", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["moving_points"] = module
-    spec.loader.exec_module(module)
-    return module
 
 
 def drawn(seed: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -188,10 +172,10 @@ PAIRS = [
 
 @pytest.mark.parametrize("pair", PAIRS[:2])
 def test_rates_are_those_of_moved_points(
-    moving: ModuleType, pair: tuple[tuple[float, float, float], tuple[float, float, float]]
+    pair: tuple[tuple[float, float, float], tuple[float, float, float]],
 ) -> None:
     """The closed form is within 3 % and four standard errors of points moved on the orbits."""
-    compare(moving, pair, 60_000)
+    compare(pair, 60_000)
 
 
 @pytest.mark.slow
@@ -205,16 +189,14 @@ def test_rates_are_those_of_moved_points(
     ],
 )
 def test_rates_are_those_of_moved_points_near_singular_pairs(
-    moving: ModuleType, pair: tuple[tuple[float, float, float], tuple[float, float, float]]
+    pair: tuple[tuple[float, float, float], tuple[float, float, float]],
 ) -> None:
     """So it does at equal altitudes, perigees and near the poles."""
-    compare(moving, pair, 1_600_000)
+    compare(pair, 1_600_000)
 
 
 def compare(
-    moving: ModuleType,
-    pair: tuple[tuple[float, float, float], tuple[float, float, float]],
-    points: int,
+    pair: tuple[tuple[float, float, float], tuple[float, float, float]], points: int
 ) -> None:
     """Compare both rates of a pair."""
     orbits = [

@@ -167,12 +167,13 @@ def test_listed_transfers_fly_to_the_stand_off(truth):
     assert flown > 1500
 
 
+@pytest.mark.parametrize("count", [12, pytest.param(36, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("resolution", [0.0, 0.1])
-def test_without_oblateness_connections_are_those_of_two_bodies(resolution):
+def test_without_oblateness_connections_are_those_of_two_bodies(resolution, count):
     """With J2 = 0 the same connections come out, to rounding: thousands of several families."""
     law = rule()
     compared = 0
-    for pair in pairs(4, 36, oblateness=0.0):
+    for pair in pairs(4, count, oblateness=0.0):
         expected = connections.of_pair(pair.i, pair.j, 3.0, law, WEEK_S, resolution)
         found = connections_of(pair.i, pair.j, 3.0, law, NO_DRIFT, WEEK_S, resolution)
         # Where two cost the same to the last digits, rounding may keep either.
@@ -188,10 +189,10 @@ def test_without_oblateness_connections_are_those_of_two_bodies(resolution):
             cost = table[there, 2]
             if cost.size and np.min(np.abs(cost - row[2])) < 1e-6:
                 compared += 1
-    assert compared > 20000
+    assert compared > 550 * count
 
 
-@pytest.mark.parametrize("count", [8, pytest.param(18, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [4, pytest.param(18, marks=pytest.mark.slow)])
 def test_no_connection_dominates_another(count):
     """Of short and long ones together hardly any is worth nothing beside another one.
 

@@ -91,6 +91,8 @@ def test_what_an_hour_is_worth() -> None:
         {"first_leg_fraction": 0.0, "max_phasing_revolutions": 3},
         {"first_leg_fraction": 1.0, "max_phasing_revolutions": 3},
         {"standoff_m": 5000.0, "max_phasing_revolutions": 3},
+        {"approach": "safety-ellipse"},
+        {"inspection_revolutions": 2, "approach": "safety-ellipse", "keep_out_m": 90.0},
         {"min_altitude_m": 650e3, "max_altitude_m": 900e3},
     ],
     ids=lambda settings: next(iter(settings)),

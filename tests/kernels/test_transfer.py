@@ -220,10 +220,12 @@ def test_floor_is_below_every_sequence():
             )
 
 
-def test_burns_add_up_to_the_cost():
+@pytest.mark.parametrize("ellipse", [False, True])
+def test_burns_add_up_to_the_cost(ellipse):
     """The magnitudes of the burn vectors sum to the ΔV, in time order from the departure on."""
-    rule = rows.rule(laps=1.5)
-    for i, j, pair, departure, lead in pairs(6):
+    rule = rows.rule(ellipse=ellipse)
+    for i, j, _, departure, lead in pairs(6):
+        pair = co_elliptic.prepare(i, j, 0.0, rule, ephemeris.EPOCH_S)
         best = best_sequence(pair, rule, departure, lead)
         if not math.isfinite(best.delta_v):
             continue
@@ -237,8 +239,10 @@ def test_burns_add_up_to_the_cost():
         assert np.all(np.diff(times) >= 0.0)
         assert np.all(np.diff(phases) >= 0)
         assert times[0] == departure
-        assert times[-2] == pytest.approx(departure + best.flight_time, abs=1e-6)
-        assert times[-1] - times[-2] == pytest.approx(1.5 * ephemeris.period(j[0]), rel=1e-12)
+        begun = times[-len(rule.approach)]
+        assert begun == pytest.approx(departure + best.flight_time, abs=1e-6)
+        lasting = rule.approach_revolutions * ephemeris.period(j[0])
+        assert times[-1] - begun == pytest.approx(lasting, rel=1e-12)
 
 
 def test_blocked_sequences_touch_a_zone_and_others_do_not():

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from random_rules import drifting_field
 from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
+from seeds import first_of
 from small_fields import SMALL, tiny
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
@@ -90,13 +91,16 @@ def _parts(observation: Any) -> list[Any]:
     return list(observation.values()) if isinstance(observation, dict) else [observation]
 
 
+@pytest.mark.parametrize("episodes", first_of([20, 40], gate=1))
 @pytest.mark.parametrize("observation", OBSERVATIONS)
-def test_random_episodes_stay_in_their_space_and_count_what_check_counts(observation: str) -> None:
+def test_random_episodes_stay_in_their_space_and_count_what_check_counts(
+    observation: str, episodes: int
+) -> None:
     """Every observation of masked random episodes lies in its space, and returns are objectives."""
     env = MissionEnv(fields=SMALL, observation=observation)
     rng = np.random.default_rng(1)
     sizes, returns = set(), []
-    for episode in range(40):
+    for episode in range(episodes):
         first, info = env.reset(seed=100 + episode)
         assert info["action_mask"].dtype == np.int8
         sizes.add(len(env.mission.instance.targets))

@@ -90,7 +90,7 @@ def play(env: MissionEnv, rng: np.random.Generator) -> list[dict[str, Any]]:
     return told
 
 
-@over_kinds("seeds", fields=(range(40), 8))
+@over_kinds("seeds", fields=(range(40), 4))
 def test_episodes_and_rehearsals_meet_the_same_world(seeds: range) -> None:
     """The moves of an episode come to the same in a rehearsal of the same world, bit for bit."""
     seen: Counter[str] = Counter()

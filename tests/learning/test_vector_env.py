@@ -9,28 +9,16 @@ import numpy as np
 import pytest
 from conftest import Cli, refused
 from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
+from small_fields import SMALL as VARIED
 from stable_baselines3.common.vec_env import VecMonitor
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.learning.environment import OBSERVATIONS, Fields, Limits, MissionEnv, MissionVecEnv
+from adr_opt.learning.environment import OBSERVATIONS, Fields, MissionEnv, MissionVecEnv
 from adr_opt.learning.episodes import FieldPool, pool
 
-HOUR_S = 3600.0
 SMALL = Fields("tiny", targets=(3, 9), zones=(0, 3), delta_v_m_s=(300.0, 1500.0))
 """All missions last as long as the field's timetable does."""
-
-VARIED_SMALL = Fields(
-    "tiny",
-    targets=(3, 9),
-    share_of_family=0.3,
-    zones=(0, 3),
-    delta_v_m_s=(300.0, 1500.0),
-    duration_s=(15 * HOUR_S, 40 * HOUR_S),
-    limits=(Limits(2000.0, 50 * HOUR_S),),
-    share_of_limits=0.2,
-)
-
 
 DRIFTING = Fields("tiny", targets=(3, 7), dynamics="j2")
 """With one budget: where planes drift, a larger one has connections that others lack."""
@@ -123,8 +111,8 @@ def test_single_missions_keep_in_lock_step(fields: Fields, observation: str) -> 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_a_seed_determines_everything(threads: int) -> None:
     """Two of one seed keep in lock-step while fields are renewed, whatever their threads."""
-    one = vector(fields=VARIED_SMALL, refresh_every=30, threads=1)
-    two = vector(fields=VARIED_SMALL, refresh_every=30, threads=threads)
+    one = vector(fields=VARIED, refresh_every=30, threads=1)
+    two = vector(fields=VARIED, refresh_every=30, threads=threads)
     first_fields = list(one.pool.instances)
     rng = np.random.default_rng(1)
     seen = [env.reset() for env in (one, two)]
@@ -146,7 +134,7 @@ def test_a_seed_determines_everything(threads: int) -> None:
 
 def test_a_field_is_replaced_only_when_nobody_is_on_it() -> None:
     """While the pool is refreshed, the field under a running mission stays the same."""
-    env = vector(fields=VARIED_SMALL, refresh_every=20)
+    env = vector(fields=VARIED, refresh_every=20)
     rng = np.random.default_rng(2)
     env.reset()
     fields: list[Any] = [None] * env.num_envs
@@ -197,7 +185,7 @@ def test_seeding_a_new_one_with_its_own_seed_keeps_its_pool() -> None:
 def test_observations_lie_in_the_space_and_stay_for_a_step() -> None:
     """Every row lies in the space; what a step returned is not touched by the next step."""
     for observation in OBSERVATIONS:
-        env = vector(fields=VARIED_SMALL, observation=observation, refresh_every=50)
+        env = vector(fields=VARIED, observation=observation, refresh_every=50)
         rng = np.random.default_rng(4)
         seen = env.reset()
         for _ in range(25):

@@ -41,7 +41,7 @@ def sinking(seed: int, dynamics: str = "j2") -> Instance:
     return drawn.replace(targets=tuple(targets), dynamics=dynamics, transfer=transfer)
 
 
-@over_seeds(range(200), gate=40)
+@over_seeds(range(200), gate=20)
 def test_limits_are_those_of_the_judge(*, seed: int) -> None:
     """Until the last arrival and departure the judge finds a body high enough, not long after."""
     instance = sinking(seed)
@@ -58,7 +58,7 @@ def test_limits_are_those_of_the_judge(*, seed: int) -> None:
 
 
 @pytest.mark.parametrize("dynamics", ["j2", "two-body"])
-@over_seeds(range(24), gate=4)
+@over_seeds(range(24), gate=3)
 def test_no_plan_is_made_that_check_refuses(dynamics: str, *, seed: int) -> None:
     """Whatever sinks or is eccentric, plans of several methods have no violation."""
     instance = sinking(seed, dynamics)
@@ -91,7 +91,7 @@ def test_a_leg_to_a_body_that_is_too_low_by_then_is_refused() -> None:
     assert low <= found
 
 
-@over_seeds(range(40), gate=8)
+@over_seeds(range(40), gate=4)
 def test_connections_are_the_best_of_those_in_time(*, seed: int) -> None:
     """What leaves or arrives too late is left out, and hides nothing that is in time."""
     rng = np.random.default_rng(seed)
@@ -114,7 +114,7 @@ def test_connections_are_the_best_of_those_in_time(*, seed: int) -> None:
         assert (as_good & (left.delta_v <= delta_v + resolution + 1e-6)).any()
 
 
-@over_seeds(range(40), gate=8)
+@over_seeds(range(40), gate=4)
 def test_tows_end_near_their_circle(*, seed: int) -> None:
     """What is towed is released within 10 km of its circle, wherever the tow begins; else left."""
     rng = np.random.default_rng(seed)

@@ -103,10 +103,10 @@ def assert_flies(case: Drifted) -> None:
 
 def test_random_drifts_arrive(truth):
     """Drifts from two days to a year reach the stand-off, in the target's plane."""
-    found, none = drifts(truth, 1, 250, (2.0, 365.0))
+    found, none = drifts(truth, 1, 80, (2.0, 365.0))
     for case in found:
         assert_flies(case)
-    assert none <= 0.04 * 250
+    assert none <= 0.04 * 80
     off = np.array([case.flight.delta_v / case.planned - 1.0 for case in found])
     assert abs(np.median(off)) < 0.008  # with the last burn in one plane 0.014
     assert off.max() < 0.15
@@ -126,7 +126,7 @@ def test_thousands_of_random_drifts_arrive(truth):
 
 def test_nothing_flies_for_less_than_radius_and_inclination(truth):
     """Burns are worth at least the change of speed and the turn between the two orbits."""
-    for case in drifts(truth, 2, 100, (2.0, 90.0))[0]:
+    for case in drifts(truth, 2, 40, (2.0, 90.0))[0]:
         i, j = case.pair.i, case.pair.j
         speeds = [math.sqrt(MU_M3_S2 / orbit[columns.RADIUS]) for orbit in (i, j)]
         tilt = j[columns.INCLINATION] - i[columns.INCLINATION]

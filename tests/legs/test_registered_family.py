@@ -96,7 +96,7 @@ def test_plans_of_a_registered_family_are_planned_proven_and_judged(
         assert other.objective <= plan.objective, method
 
 
-@over_seeds(range(24), gate=5)
+@over_seeds(range(24), gate=3)
 def test_proofs_over_a_registered_family_are_those_of_enumeration(
     seed: int, longer: LongerPhasing
 ) -> None:

@@ -9,11 +9,11 @@ on waiting for nodes. And over connections that are given.
 from __future__ import annotations
 
 import math
-from contextlib import closing
 from functools import cache
 
 import numpy as np
 import pytest
+from against_enumeration import bound_of_cost
 from brute_force import brute_force
 from random_rules import (
     drifting_mission,
@@ -31,30 +31,32 @@ from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.settings import Objective
 from solvers.labels.label_search import LabelSearch
-from solvers.proof.cost import CostProof
 from solvers.walks.walks import WalkBound
 
-KINDS_OF_FIELDS = {
-    "two_body": (random_mission, range(150), 20),
-    "j2": (drifting_mission, range(90), 10),
-    "given": (given_mission, range(80), 12),
-    "visits": (visiting_field, range(120), 20),
-}
-every_kind = over_kinds("draw, seeds", **KINDS_OF_FIELDS)
+every_kind = over_kinds(
+    "draw, seeds",
+    two_body=(random_mission, range(150), 10),
+    j2=(drifting_mission, range(90), 5),
+    given=(given_mission, range(80), 6),
+    visits=(visiting_field, range(120), 10),
+)
 every_kind_and_tows = over_kinds(
     "draw, seeds",
-    **KINDS_OF_FIELDS,
+    two_body=(random_mission, range(150), 20),
+    j2=(drifting_mission, range(90), 10),
+    given=(given_mission, range(80), 12),
+    visits=(visiting_field, range(120), 20),
     tow=(towing_mission, range(80), 10),
     falls=(falling_mission, range(160), 12),
 )
 SEARCHED = {
-    "two_body": (random_mission, range(40), 16),
-    "j2": (drifting_mission, range(40), 8),
-    "given": (given_mission, range(40), 8),
-    "visits": (visiting_field, range(60), 6),
+    "two_body": (random_mission, range(40), 8),
+    "j2": (drifting_mission, range(40), 4),
+    "given": (given_mission, range(40), 4),
+    "visits": (visiting_field, range(60), 3),
 }
 searched = over_kinds("draw, seeds", **SEARCHED)
-searched_and_falls = over_kinds("draw, seeds", **SEARCHED, falls=(falling_mission, range(40), 8))
+searched_and_falls = over_kinds("draw, seeds", **SEARCHED, falls=(falling_mission, range(40), 4))
 
 KINDS = {
     random_mission: {"short"},
@@ -173,7 +175,13 @@ SHARES = {
 @over_kinds(
     "method, draw, share, seeds",
     **{
-        f"{method}-{draw.__name__}": (method, draw, share, range(2000, 2040), 8)
+        f"{method}-{draw.__name__}": (
+            method,
+            draw,
+            share,
+            range(2000, 2040),
+            8 if draw is drifting_mission else 4,
+        )
         for draw, shares in SHARES.items()
         for method, share in shares.items()
     },
@@ -210,7 +218,7 @@ def test_the_least_cost_is_proven(draw, seeds, cost_of):
         assert plan.cost_bound <= cost * (1.0 + 1e-9) + 1e-9, seed
         assert adr_opt.check(instance, plan) == (), seed
         proven += plan.cost > 0.0
-    assert proven > 5
+    assert proven > 0.25 * len(seeds)
 
 
 @searched
@@ -219,32 +227,7 @@ def test_no_plan_costs_less_than_the_bound(draw, seeds, jobs):
     """However dear the plan known, after each round of a proof of the cost the bound holds."""
     closed = 0
     for seed in seeds:
-        instance = draw(3000 + seed).replace(objective=Objective(cost="delta-v"))
-        mission = Mission(instance)
-        prizes, cost, _ = brute_force(mission)
-        if not math.isfinite(prizes):
-            continue
-        found = []
-        # It hears of no better plan, so that walks are asked for that there are.
-        proof = CostProof(
-            mission,
-            mission.worth(prizes),
-            found.append,
-            lambda dear=4.0 * cost + 1.0: dear,
-            lambda: False,
-            jobs=jobs,
-            delta_v_slot_m_s=100.0,
-            most_labels=10**6,
-        )
-        with closing(proof):
-            for _ in range(8):
-                if not proof.done:
-                    proof.advance()
-                assert proof.bound <= cost * (1.0 + 1e-9) + 1e-6, seed
-        for sequence in found:
-            schedule = mission.time(tuple(int(j) for j in sequence))
-            assert schedule.made == len(sequence), seed
-            assert schedule.objective >= mission.worth(prizes) - 1e-6, seed
-            assert schedule.cost >= cost - 1e-6, seed
-        closed += proof.bound >= cost * (1.0 - 1e-6) - 1e-6
+        mission = Mission(draw(3000 + seed).replace(objective=Objective(cost="delta-v")))
+        bound, cost = bound_of_cost(mission, 4.0, jobs=jobs) or (0.0, math.inf)
+        closed += bound >= cost * (1.0 - 1e-6) - 1e-6
     assert closed > 0.5 * len(seeds)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import csv
 import json
 import math
-from contextlib import closing
 
 import numpy as np
 import pytest
-from against_enumeration import held_costs
+from against_enumeration import bound_of_cost, held_costs
 from brute_force import brute_force
 from conftest import Cli, refused
 from drawn_expenses import laden_campaign
@@ -35,7 +34,6 @@ from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.given import of_rows
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import Objective
-from solvers.proof.cost import CostProof
 
 PRICES = [0.0, None, 5.0, 50.0, 700.0, 1e5]
 """Of a day [m/s]: nothing, the default, and up to where time alone counts."""
@@ -49,9 +47,9 @@ def priced(instance: Instance, seed: int) -> Instance:
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(14), 7),
-    j2=(drifting_mission, range(14), 4),
-    given=(given_mission, range(14), 4),
+    two_body=(random_mission, range(14), 4),
+    j2=(drifting_mission, range(14), 3),
+    given=(given_mission, range(14), 3),
     towing=(towing_mission, range(14), 7),
 )
 def test_the_least_cost_of_a_chaser_is_that_of_enumeration(draw, seeds):
@@ -74,9 +72,9 @@ def test_the_least_cost_of_a_chaser_is_that_of_enumeration(draw, seeds):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(20), 6),
-    j2=(drifting_mission, range(20), 5),
-    given=(given_field, range(20), 6),
+    two_body=(random_mission, range(20), 3),
+    j2=(drifting_mission, range(20), 3),
+    given=(given_field, range(20), 3),
 )
 def test_the_least_cost_of_several_chasers_is_that_of_enumeration(draw, seeds):
     """No bound on the cost lies above the least, and what is proven to be the least is."""
@@ -94,30 +92,9 @@ def test_no_plan_costs_less_than_the_bound(draw):
     """After each round of a proof the bound holds, however dear the plan known and a day are."""
     closed = 0
     for seed in range(15):
-        instance = priced(draw(7000 + seed), seed)
-        mission = Mission(instance)
-        prizes, cost, _ = brute_force(mission)
-        if not math.isfinite(prizes):
-            continue
-        found = []
-        proof = CostProof(
-            mission,
-            mission.worth(prizes),
-            found.append,
-            lambda dear=2.0 * cost + 1.0: dear,
-            lambda: False,
-            jobs=1,
-            delta_v_slot_m_s=100.0,
-            most_labels=10**6,
-        )
-        with closing(proof):
-            for _ in range(8):
-                if not proof.done:
-                    proof.advance()
-                assert proof.bound <= cost * (1.0 + 1e-9) + 1e-6, seed
-        for sequence in found:
-            assert mission.time(sequence.tolist()).cost >= cost - 1e-6, seed
-        closed += proof.bound >= cost * (1.0 - 1e-6) - 1e-6
+        mission = Mission(priced(draw(7000 + seed), seed))
+        bound, cost = bound_of_cost(mission, 2.0) or (0.0, math.inf)
+        closed += bound >= cost * (1.0 - 1e-6) - 1e-6
     assert closed > 5
 
 
@@ -142,25 +119,9 @@ def test_who_is_done_sooner_after_the_last_departure_is_not_overlooked(dearer_fi
         ),
         objective=Objective(time_m_s_per_day=8640.0),
     ).with_given(given)
-    mission = Mission(instance)
-    prizes, cost, _ = brute_force(mission)
+    bound, cost = bound_of_cost(Mission(instance), 20.0, slot_m_s=10.0)
     assert cost == pytest.approx(1.0 + 20.0 + 0.1 * 500.0, abs=1e-6)
-    proof = CostProof(
-        mission,
-        mission.worth(prizes),
-        lambda plan: None,
-        lambda: 1000.0,
-        lambda: False,
-        jobs=1,
-        delta_v_slot_m_s=10.0,
-        most_labels=10**6,
-    )
-    with closing(proof):
-        for _ in range(12):
-            if not proof.done:
-                proof.advance()
-            assert proof.bound <= cost + 1e-6
-    assert proof.bound == pytest.approx(cost, rel=1e-5)
+    assert bound == pytest.approx(cost, rel=1e-5)
 
 
 def tows() -> Instance:

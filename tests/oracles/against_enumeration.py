@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from contextlib import closing
 from typing import Any
 
 import pytest
-from brute_force import brute_force_campaign
+from brute_force import brute_force, brute_force_campaign
 
 import adr_opt
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
+from solvers.proof.cost import CostProof
 
 
 def compared(campaign: Problem, result: Result, case: object) -> bool:
@@ -55,6 +58,50 @@ def compared_cost(campaign: Problem, result: Result, case: object) -> bool | Non
         return False
     assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), case
     return True
+
+
+def bound_of_cost(
+    mission: Mission, dear: float, *, slot_m_s: float = 100.0, jobs: int = 1
+) -> tuple[float, float] | None:
+    """Hold a proof of the least cost against all plans, round by round; its bound and that cost.
+
+    None where there is no plan.
+
+    Parameters
+    ----------
+    mission : Mission
+    dear : float
+        Cost of the plan that the proof knows, over the least. It hears of no better one, so that
+        walks are asked for that there are.
+    slot_m_s : float
+        Of ΔV, as the walks count it.
+    jobs : int
+    """
+    prizes, cost, _ = brute_force(mission)
+    if not math.isfinite(prizes):
+        return None
+    found: list[Any] = []
+    proof = CostProof(
+        mission,
+        mission.worth(prizes),
+        found.append,
+        lambda: dear * cost + 1.0,
+        lambda: False,
+        jobs=jobs,
+        delta_v_slot_m_s=slot_m_s,
+        most_labels=10**6,
+    )
+    with closing(proof):
+        for _ in range(12):
+            if not proof.done:
+                proof.advance()
+            assert proof.bound <= cost * (1.0 + 1e-9) + 1e-6
+    for sequence in found:
+        schedule = mission.time(tuple(int(j) for j in sequence))
+        assert schedule.made == len(sequence)
+        assert schedule.objective >= mission.worth(prizes) - 1e-6
+        assert schedule.cost >= cost - 1e-6
+    return float(proof.bound), cost
 
 
 Held = list[tuple[Instance, Result]]

@@ -36,6 +36,9 @@ OPTIONS = (
     "--remote-debugging-pipe",
 )
 
+PATIENCE_S = 300.0
+"""After so long what is waited for does not come, however busy the machine."""
+
 LEVELS = {"error": "error", "assert": "error", "warning": "warning"}
 
 
@@ -129,7 +132,7 @@ class Browser:
         at: TracebackType | None,
     ) -> None:
         self._process.terminate()
-        self._process.wait(10)
+        self._process.wait(PATIENCE_S)
         os.close(self._out)
         os.close(self._in)
 
@@ -141,7 +144,7 @@ class Browser:
             message["sessionId"] = self._session
         os.write(self._out, json.dumps(message).encode() + b"\0")
         while True:
-            said = self._read(60.0)
+            said = self._read(PATIENCE_S)
             if said.get("id") == self._count:
                 if "error" in said:
                     raise RuntimeError(f"{method}: {said['error']['message']}")
@@ -178,7 +181,7 @@ class Browser:
             raise RuntimeError(str(answer["exceptionDetails"]))
         return answer["result"].get("value")
 
-    def wait_for(self, expression: str, seconds: float = 60.0) -> Any:
+    def wait_for(self, expression: str, seconds: float = PATIENCE_S) -> Any:
         """Wait until an expression is true and give its value."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:

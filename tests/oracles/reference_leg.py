@@ -21,6 +21,7 @@ from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.common.errors import InputError
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.orbit import Orbit as Elements
+from adr_opt.problem.settings import SequenceSettings
 
 MU = Earth.k.to_value(u.m**3 / u.s**2)
 COPLANAR_RAD = 1e-9
@@ -92,9 +93,29 @@ def reference_leg(
             m += 1
     if not math.isfinite(best_delta_v):
         return math.inf, math.inf
-    # 3. The approach: two radial impulses of n L / 4.
-    approach = 0.5 * target.period.to_value(u.s)
-    return best_delta_v + 0.5 * rate * rule.standoff_m, departure + best[1] + approach
+    # 3. The approach.
+    length, laps = _approach(rule)
+    return (best_delta_v + rate * length, departure + best[1] + laps * target.period.to_value(u.s))
+
+
+def _approach(rule: SequenceSettings) -> tuple[float, float]:
+    """ΔV over the mean motion [m] and revolutions: half a lap, or a safety ellipse by its parts."""
+    if rule.approach == "half-lap":
+        return 2.0 * (rule.standoff_m / 4.0), 0.5
+    m, q = rule.approach_revolutions, rule.inspection_revolutions
+    per_revolution = 3.0 * 1.08262668e-3 * (6378137.0 / (6378137.0 + rule.min_altitude_m)) ** 2
+    stretch = 3.0 * math.pi * (m + 0.25)
+
+    def shrunk(turns: float) -> float:
+        return math.sqrt(1.0 - math.sin(2.0 * math.pi * turns * per_revolution))
+
+    rho = max(
+        (rule.keep_out_m + rule.standoff_m / stretch) / (shrunk(2 * m + 1.75) - 2.0 / stretch),
+        rule.keep_out_m / shrunk(m + 1.75 + q + 8.0),
+    )
+    quarter = (rule.standoff_m + 2.0 * rho) / stretch / 4.0
+    stops = quarter + rho if q else math.hypot(quarter, rho)
+    return 2.0 * rho + 3.0 * quarter + stops + rho * (math.sqrt(1.25) + 0.5), m + 2.5 + q
 
 
 def _orbit(elements: Elements) -> Orbit:

@@ -13,11 +13,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from browser import Browser
+from browser import PATIENCE_S, Browser
 from interruptible import CHILD
 
-LOADED_S = 60.0
-"""A report is there by then."""
 PAINTED = (
     "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))"
 )
@@ -44,7 +42,7 @@ def served(folder: Path, *arguments: str) -> Iterator[dict[str, Any]]:
         yield said
     finally:
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=90.0)
+        _, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0, err
     assert "Traceback" not in err, err
     said["stderr"] = err
@@ -72,10 +70,10 @@ def text(tab: Browser, name: str) -> str:
     return said
 
 
-def on_page(tab: Browser, key: str, value: object, seconds: float = 60.0) -> None:
+def on_page(tab: Browser, key: str, value: object) -> None:
     """Wait until the page says so of itself."""
     wanted = json.dumps(str(value))
-    tab.wait_for(f"document.documentElement?.dataset.{key} === {wanted}", seconds)
+    tab.wait_for(f"document.documentElement?.dataset.{key} === {wanted}")
 
 
 def look(tab: Browser, width: int, dark: bool) -> None:
@@ -95,7 +93,8 @@ def drop(tab: Browser, *paths: Path) -> None:
     """Drag files over the edge of the page onto its middle, and let them go.
 
     The report in its frame has events of its own: a page hears of files that come over its edge,
-    and lets them through its frame once it has been painted again. A hidden tab is not painted.
+    and lets them through its frame once it has been painted again. A hidden tab is not painted, and
+    one that is may still be looked up as it was: they are let go where the page has heard of them.
     """
     files = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
 
@@ -104,11 +103,15 @@ def drop(tab: Browser, *paths: Path) -> None:
 
     tab.call("Page.bringToFront")
     tab.evaluate(PAINTED)
+    tab.evaluate("addEventListener('dragover', ({ clientX }) => { window.draggedTo = clientX; })")
     move("dragEnter", 4, 4)
     move("dragOver", 4, 4)
     tab.wait_for("document.body.classList.contains('dragging')")
-    tab.evaluate(PAINTED)
-    move("dragOver", 640, 300)
+    end = time.monotonic() + PATIENCE_S
+    while tab.evaluate("window.draggedTo") != 640:
+        assert time.monotonic() < end
+        tab.evaluate(PAINTED)
+        move("dragOver", 640, 300)
     move("drop", 640, 300)
 
 
@@ -147,7 +150,7 @@ def in_report(tab: Browser, expression: str) -> Any:
     """Value of an expression in the report, which is a page of its own, once it is true."""
     mine = tab._session
     tab._session = None
-    end, reports = time.monotonic() + LOADED_S, []
+    end, reports = time.monotonic() + PATIENCE_S, []
     while not reports and time.monotonic() < end:  # after a reload it comes later than the page
         found = tab.call("Target.getTargets")["targetInfos"]
         reports = [each["targetId"] for each in found if "/report?" in each["url"]]

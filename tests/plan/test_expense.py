@@ -28,7 +28,7 @@ every_kind = over_kinds(
     "draw, seeds",
     two_body=(random_mission, range(120), 10),
     j2=(drifting_mission, range(40), 3),
-    given=(given_field, range(60), 6),
+    given=(given_field, range(60), 3),
 )
 
 
@@ -185,7 +185,7 @@ def test_the_expense_is_that_of_gtoc9() -> None:
     assert Expense().of(carried) == 0.0
 
 
-@over_kinds("seeds", routes=(range(300), 24))
+@over_kinds("seeds", routes=(range(300), 12))
 def test_no_tariff_is_more_than_the_expense(seeds: range) -> None:
     """Whatever a route spends and leaves, the tariff of its load, and any other, takes no more."""
     field = adr_opt.generate("removal", 0, targets=6, chasers=1)

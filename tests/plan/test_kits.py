@@ -38,7 +38,7 @@ def drawn(seed: int) -> Instance:
     return made if seed % 2 or made.given is not None else towing(made, seed)
 
 
-some_seeds = over_kinds("seeds", drawn=(range(60), 5))
+some_seeds = over_kinds("seeds", drawn=(range(60), 3))
 
 
 @some_seeds
@@ -55,11 +55,11 @@ def test_plans_pass_and_bounds_hold(method, seeds):
 
 def test_what_is_left_is_what_masses_say():
     """ΔV left after legs, services and refuelling is that of the masses, by the rocket equation."""
-    rng = np.random.default_rng(1)
-    for _ in range(2000):
+    rng, drawn = np.random.default_rng(1), adr_opt.generate("tiny", 0)
+    targets = tuple(target.replace(removal="kit") for target in drawn.targets)
+    for _ in range(500):
         dry, kit = float(rng.uniform(50.0, 2000.0)), float(rng.uniform(0.1, 100.0))
-        instance = adr_opt.generate("tiny", 0)
-        chaser = instance.chaser.replace(
+        chaser = drawn.chaser.replace(
             tank={
                 "dry_mass_kg": dry,
                 "propellant_kg": float(rng.uniform(10.0, 3000.0)),
@@ -67,10 +67,7 @@ def test_what_is_left_is_what_masses_say():
             },
             kit_mass_kg=kit,
         )
-        instance = instance.replace(
-            chasers=(chaser,),
-            targets=tuple(target.replace(removal="kit") for target in instance.targets),
-        )
+        instance = drawn.replace(chasers=(chaser,), targets=targets)
         loads = loads_of(instance, chaser, 0.0)
         kits = int(rng.integers(1, loads.full.size))
         tank, left = TankLevel(chaser, kits), float(loads.full[kits])

@@ -64,7 +64,7 @@ NEWER: dict[str, Any] = {
 @pytest.mark.parametrize("name", [*NEWER, "own circle", "perigee"])
 def test_a_newer_field_makes_a_newer_file(name: str) -> None:
     """What the former format cannot say is written in the newer one, with another digest."""
-    instance = towed()
+    instance = adr_opt.generate("tiny", 3) if name == "approach" else towed()
     if name in NEWER:
         changed = instance.replace(transfer=instance.transfer.replace(**NEWER[name]))
     elif name == "perigee":
@@ -145,16 +145,16 @@ def test_what_an_approach_cannot_be_is_refused(changes: dict[str, Any], said: st
 
 
 def test_the_stand_off_bounds_what_is_kept_out() -> None:
-    """The radius is at most 0.9 of the stand-off, less the eccentricity of the bodies."""
+    """The radius is at most three quarters of the least distance at the stand-off."""
     instance = adr_opt.generate("tiny", 0)
     orbit = instance.targets[0].orbit
     assert orbit is not None
     eccentric = instance.targets[0].replace(orbit=orbit.replace(eccentricity=0.02))
     instance = instance.replace(targets=(eccentric, *instance.targets[1:]))
-    ellipse = instance.transfer.replace(approach="safety-ellipse", keep_out_m=882.0)
+    ellipse = instance.transfer.replace(approach="safety-ellipse", keep_out_m=720.0)
     assert instance.replace(transfer=ellipse).transfer == ellipse
-    with pytest.raises(InputError, match=r"keep_out_m = 883.0: must be at most 882 m"):
-        instance.replace(transfer=ellipse.replace(keep_out_m=883.0))
+    with pytest.raises(InputError, match=r"keep_out_m = 721.0: must be at most 721 m"):
+        instance.replace(transfer=ellipse.replace(keep_out_m=721.0))
 
 
 def test_disposal_is_one_of_two_kinds() -> None:

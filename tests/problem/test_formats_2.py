@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_rules import DRAWS
+from seeds import over_examples
 
 import adr_opt
 from adr_opt import Instance, Plan
@@ -93,8 +94,7 @@ def stated(draw: st.DrawFn) -> Instance:
     )
 
 
-@settings(max_examples=60, deadline=None)
-@given(stated())
+@over_examples(stated(), gate=20, full=60)
 def test_whatever_is_stated_survives_a_round_trip(instance: Instance) -> None:
     """Reading what was written gives the same instance and digest, and fits the JSON Schema."""
     text = instance.to_json()

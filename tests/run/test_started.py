@@ -60,8 +60,8 @@ def of_given(seed: int) -> Instance:
 either = over_kinds(
     "draw, seeds",
     two_body=(of_two_bodies, range(40), 20),
-    j2=(of_drift, range(24), 6),
-    given=(of_given, range(24), 9),
+    j2=(of_drift, range(24), 3),
+    given=(of_given, range(24), 5),
 )
 
 
@@ -106,7 +106,7 @@ def test_what_is_impossible_is_known_at_once() -> None:
 @pytest.mark.parametrize("method", ["greedy-guarded", "beam", "mcts", "local-search", "auto"])
 @over_kinds(
     "draw, seeds",
-    two_body=(of_two_bodies, range(100, 113), 4),
+    two_body=(of_two_bodies, range(100, 113), 3),
     j2=(of_drift, range(100, 108), 2),
     given=(of_given, range(100, 108), 2),
 )

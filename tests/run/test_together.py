@@ -25,7 +25,7 @@ from adr_opt.mission.result import Result
 from adr_opt.run import front, methods
 from adr_opt.run.side_by_side import InvalidBound, Meeting, Seat, together
 
-LONG_S = 30.0
+LONG_S = 300.0
 """A limit that no test may reach."""
 
 NEVER = MaxRuntime(math.inf)

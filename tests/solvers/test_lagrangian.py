@@ -56,7 +56,7 @@ def nominal():
     return Mission(adr_opt.generate("nominal", 0))
 
 
-@over_seeds(range(150), gate=9)
+@over_seeds(range(150), gate=5)
 def test_bound_is_valid_and_tight_on_tiny_instances(seed):
     """Brute force lies under the bound for any slot, and the finished search proves it optimal."""
     mission = tiny_mission(seed, refuelling=seed % 5 < 2)
@@ -70,7 +70,7 @@ def test_bound_is_valid_and_tight_on_tiny_instances(seed):
     assert result.objective == pytest.approx(optimum, abs=1e-5)
 
 
-@over_seeds(range(150), gate=11)
+@over_seeds(range(150), gate=6)
 def test_every_multiplier_gives_a_valid_bound(seed):
     """The best walk bounds the optimum for random multipliers, also above the prizes."""
     mission = tiny_mission(seed, refuelling=seed % 2 == 0)
@@ -85,31 +85,33 @@ def test_every_multiplier_gives_a_valid_bound(seed):
 
 def test_rounding_the_wrong_way_is_caught():
     """With the ΔV of legs rounded up the bound falls below the optimum of some tiny instance."""
-    caught = 0
-    for seed in range(60):
+
+    def caught(seed: int) -> bool:
         mission = tiny_mission(seed, refuelling=True)
         optimum, _, _ = brute_force(mission)
         bound = WalkBound(mission, 150.0)
         bound.buckets.cost[:] += 1
-        caught += bound.evaluate(np.zeros(len(mission.names)))[0] < optimum - 1e-6
-    assert caught > 0
+        return bound.evaluate(np.zeros(len(mission.names)))[0] < optimum - 1e-6
+
+    assert any(map(caught, range(60)))
 
 
 def test_landing_late_is_caught():
     """With services that end some rows too late the bound falls below some optimum."""
-    caught = 0
-    for seed in range(60):
+
+    def caught(seed: int) -> bool:
         mission = tiny_mission(seed)
         optimum, _, _ = brute_force(mission)
         bound = WalkBound(mission, 7.0, 0.0)
         buckets = bound.buckets
         final = buckets.start[buckets.destination + 1] - 1
         buckets.landing[:] = np.minimum(buckets.landing + 10, final)
-        caught += bound.evaluate(np.zeros(len(mission.names)))[0] < optimum - 1e-6
-    assert caught > 0
+        return bound.evaluate(np.zeros(len(mission.names)))[0] < optimum - 1e-6
+
+    assert any(map(caught, range(60)))
 
 
-@over_seeds(range(40), gate=7)
+@over_seeds(range(40), gate=4)
 def test_the_best_plan_is_never_later_than_the_latest_times(seed):
     """Each state of an optimal plan is there in time to collect the rest of the optimum."""
     mission = tiny_mission(seed, refuelling=seed % 2 == 0)
@@ -282,7 +284,7 @@ def test_a_required_target_is_no_reason_to_go_round(nominal):
     assert value == pytest.approx(least + bonus, abs=0.01)
 
 
-@over_seeds(range(40), gate=7)
+@over_seeds(range(40), gate=4)
 def test_a_search_never_refutes_the_optimum(seed):
     """Asked for plans worth the optimum, with any multipliers, a search finds walks that are."""
     mission = tiny_mission(seed, refuelling=seed % 2 == 0)

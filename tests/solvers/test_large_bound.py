@@ -87,7 +87,7 @@ def some_point(mission: Mission, rng: np.random.Generator, high: float) -> np.nd
     return np.append(rng.uniform(0.0, high, worth.size) * worth, rng.uniform(0.0, high))
 
 
-@every_kind(60, gate=14)
+@every_kind(60, gate=7)
 def test_least_times_bound_every_plan(draw, seeds):
     """No plan that enumeration knows is worth more than services at their least time and ΔV."""
     tight = 0
@@ -100,26 +100,23 @@ def test_least_times_bound_every_plan(draw, seeds):
     assert tight > 0 or draw is given_mission  # whose few targets all fit the time, one by one
 
 
-@pytest.mark.parametrize(
-    "draw",
-    [
-        mixed_campaign,
-        lambda seed: mixed_campaign(seed, drifting_mission),
-        lambda seed: mixed_campaign(seed, given_field),
-        lambda seed: carrying(mixed_campaign(seed), seed),
-        lambda seed: towing(mixed_campaign(seed), seed),
-    ],
-    ids=["plain", "drifting", "given", "laden", "towing"],
+@over_kinds(
+    "draw, seeds",
+    plain=(mixed_campaign, range(15), 5),
+    drifting=(lambda seed: mixed_campaign(seed, drifting_mission), range(15), 5),
+    given=(lambda seed: mixed_campaign(seed, given_field), range(15), 5),
+    laden=(lambda seed: carrying(mixed_campaign(seed), seed), range(15), 5),
+    towing=(lambda seed: towing(mixed_campaign(seed), seed), range(15), 5),
 )
-def test_least_times_bound_every_plan_of_a_campaign(draw):
+def test_least_times_bound_every_plan_of_a_campaign(draw, seeds):
     """No plan of several chasers is worth more than services at least time and ΔV of all tanks."""
-    for seed in range(SEEDS // 4):
+    for seed in seeds:
         campaign = Problem(draw(seed))
         prizes, _ = brute_force_campaign(campaign)
         assert campaign.shown(floor_bound(campaign)) >= prizes - 1e-9, seed
 
 
-@every_kind(20, gate=11)
+@every_kind(20, gate=6)
 def test_no_connection_is_below_the_floors(draw, seeds):
     """All connections take the least time to their destination at least, and cost the least ΔV."""
     for seed in seeds:
@@ -135,7 +132,7 @@ def test_no_connection_is_below_the_floors(draw, seeds):
             assert (found.delta_v >= least_m_s[j]).all(), (seed, i, j)
 
 
-@every_kind(60, gate=7)
+@every_kind(60, gate=4)
 def test_walks_that_pay_bound_every_plan(draw, seeds):
     """Enumeration lies under the bound for any multipliers, price, length of steps and unit."""
     bounded = 0
@@ -161,7 +158,7 @@ def test_walks_that_pay_bound_every_plan(draw, seeds):
     assert bounded > len(seeds)
 
 
-@every_kind(30, gate=5)
+@every_kind(30, gate=3)
 def test_proofs_without_a_network_stay_above_the_optimum(draw, seeds):
     """Brought down as far as it goes, the bound is that of enumeration or more, and often that."""
     met = 0

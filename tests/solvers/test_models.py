@@ -14,7 +14,7 @@ from calling import prove
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from random_rules import random_mission as all_rules
 from resonant_fields import resonant
-from seeds import over_seeds
+from seeds import first_of, over_seeds
 from small_missions import DAY_S, TINY, featured_mission, random_mission
 
 import adr_opt
@@ -30,9 +30,6 @@ from solvers.planners.mip import mip
 
 RARE = (5034, 5065, 5505)
 """Where prizes come close to what a required target is worth, and where staying is best."""
-
-AT_THE_GATE = 3
-"""Instances of the family, of which "tiny-006" takes as long as all others together."""
 
 all_methods = pytest.mark.parametrize("method", [mip, routing_bound])
 
@@ -58,13 +55,7 @@ def has_proven(result, mission, optimum):
     return True
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (number >= AT_THE_GATE))
-        for number, path in enumerate(TINY)
-    ],
-)
+@pytest.mark.parametrize("path", first_of(TINY, gate=2), ids=lambda path: path.stem)
 def test_tiny_family(path):
     """On every committed tiny instance the optimum is proven, with and without a start plan."""
     mission = Mission(adr_opt.load(path), threads=1)
@@ -83,7 +74,7 @@ def test_hand_made(start):
     assert result.sequence == OPTIMAL_PLAN
 
 
-@over_seeds(range(24), gate=4)
+@over_seeds(range(24), gate=3)
 def test_random_missions(seed):
     """With zones, unequal and non-integer prizes the methods equal brute force."""
     mission = random_mission(seed)
@@ -91,7 +82,7 @@ def test_random_missions(seed):
     assert has_proven(prove(mip, mission), mission, optimum)
 
 
-@over_seeds(range(12), gate=4)
+@over_seeds(range(12), gate=3)
 def test_reduced_networks(seed, monkeypatch):
     """With arcs removed by reduced costs, goal by goal, the methods still equal brute force."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 0)
@@ -102,7 +93,7 @@ def test_reduced_networks(seed, monkeypatch):
 
 
 @pytest.mark.parametrize("whole", [True, False])
-@over_seeds([*RARE, *range(40)], gate=9)
+@over_seeds([*RARE, *range(40)], gate=5)
 def test_missions_with_every_feature(whole, seed, monkeypatch):
     """With several stations or none, windows, ends, a start of its own and few targets, too."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 10**9 if whole else 0)
@@ -113,7 +104,7 @@ def test_missions_with_every_feature(whole, seed, monkeypatch):
 
 
 @all_methods
-@over_seeds(range(3000, 3060), gate=5)
+@over_seeds(range(3000, 3060), gate=3)
 def test_all_rules_at_random(method, seed):
     """On the missions that all planners and bounds are tried on, they equal enumeration, too."""
     mission = Mission(all_rules(seed), threads=1)
@@ -124,7 +115,7 @@ def test_all_rules_at_random(method, seed):
 
 
 @all_methods
-@over_seeds(range(100, 125), gate=6)
+@over_seeds(range(100, 125), gate=3)
 def test_limits_that_the_best_plan_just_meets(method, seed, monkeypatch):
     """Where rounding decides whether the best plan fits, enumeration decides the same."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 0 if seed % 2 else 1000)

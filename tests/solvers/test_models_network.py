@@ -31,7 +31,7 @@ def fits(found, legs, rules):
 
 
 @pytest.mark.parametrize("mission_of", [random_mission, featured_mission])
-@over_seeds(range(60), gate=11)
+@over_seeds(range(60), gate=6)
 def test_network_holds_the_plans(seed, mission_of):
     """The best plan is a path of the network, whole or cut down, and such a path can be flown."""
     mission = mission_of(seed)
@@ -49,7 +49,7 @@ def test_network_holds_the_plans(seed, mission_of):
         assert bodies_along(found, legs[::-1]) == best[: len(legs)]
 
 
-@over_seeds(range(60), gate=11)
+@over_seeds(range(60), gate=6)
 def test_paths_are_schedules(seed):
     """Every path of the network that visits no target twice can be flown as the rules have it."""
     mission = featured_mission(seed)
@@ -77,22 +77,22 @@ def test_paths_are_schedules(seed):
 
 def test_a_network_without_what_is_needed_is_caught(monkeypatch):
     """If legs dominated one another whatever they cost, some best plan would be lost."""
-    missions = [random_mission(seed) for seed in range(40)]
-    plans = [brute_force(mission)[2] for mission in missions]
 
     def whatever_it_costs(pair, landing, delta_v, dominated):
         right(pair, landing, np.zeros_like(delta_v), dominated)
 
+    def lost(seed):
+        mission = random_mission(seed)
+        best = brute_force(mission)[2]
+        return len(path_of(network_of(mission), best, mission.rules)) < len(best)
+
     right = solver_network._dominated
     monkeypatch.setattr(solver_network, "_dominated", whatever_it_costs)
-    lost = 0
-    for mission, best in zip(missions, plans, strict=True):
-        lost += len(path_of(network_of(mission), best, mission.rules)) < len(best)
-    assert lost > 0
+    assert any(map(lost, range(40)))
 
 
 @pytest.mark.parametrize("mission_of", [random_mission, featured_mission])
-@over_seeds(range(60), gate=11)
+@over_seeds(range(60), gate=6)
 def test_reduced_costs_never_remove_the_best_plan(seed, mission_of):
     """For any multipliers and slots every leg of the best plan may belong to one worth as much."""
     mission = mission_of(seed)
@@ -157,12 +157,13 @@ def test_reduced_costs_are_those_of_walks():
 
 def test_reduced_costs_that_round_up_are_caught():
     """With the ΔV of legs too large by a slot, some leg of some best plan would be removed."""
-    caught = 0
-    for seed in range(60):
+
+    def caught(seed):
         mission = random_mission(seed)
         optimum, _, best = brute_force(mission)
         rules, found = mission.rules, network_of(mission)
         broken = found._replace(delta_v=found.delta_v + 100.0)
         through = best_through(broken, rules, np.zeros(rules.prize.size), 100.0)
-        caught += np.any(through[path_of(found, best, rules)] < optimum - 1e-9)
-    assert caught > 0
+        return np.any(through[path_of(found, best, rules)] < optimum - 1e-9)
+
+    assert any(map(caught, range(60)))

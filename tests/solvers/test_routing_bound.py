@@ -18,7 +18,7 @@ from adr_opt.mission.mission import Mission
 from solvers.bounds.routing_bound import routing_bound, static_costs
 
 
-@over_seeds(range(120), gate=11)
+@over_seeds(range(120), gate=6)
 def test_routing_bound_is_valid(seed):
     """Brute force lies under the static bound, whatever the zones, prizes, tank and duration."""
     mission = random_mission(1000 + seed)
@@ -28,7 +28,7 @@ def test_routing_bound_is_valid(seed):
     assert result.plan is None
 
 
-@over_seeds(range(80), gate=11)
+@over_seeds(range(80), gate=6)
 def test_routing_bound_is_valid_with_every_feature(seed):
     """So it does with several stations or none, windows, ends, and a start of its own."""
     mission = featured_mission(1000 + seed)
@@ -39,7 +39,7 @@ def test_routing_bound_is_valid_with_every_feature(seed):
         assert prove(routing_bound, mission, start=best).upper_bound >= least
 
 
-@over_seeds(range(30), gate=6)
+@over_seeds(range(30), gate=3)
 def test_static_costs_out_of_time(seed):
     """Costs known in closed form, where time is short, are nowhere above the best of all legs."""
     mission = featured_mission(seed)

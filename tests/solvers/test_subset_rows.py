@@ -38,7 +38,7 @@ from solvers.walks.walks import WalkBound
 every_mission = over_kinds(
     "draw, seeds",
     **{
-        draw.__name__: (draw, range(60), 5)
+        draw.__name__: (draw, range(60), 3)
         for draw in (
             roomy,
             roomy_launched,
@@ -193,7 +193,7 @@ class CutAtRandom(proof.ColumnProof):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(tight, range(200), 4),
+    two_body=(tight, range(200), 3),
     j2=(drifting_mission, range(20), 1),
     given=(given_field, range(30), 3),
 )

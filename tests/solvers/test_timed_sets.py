@@ -35,19 +35,19 @@ def _compare(instance: adr_opt.Instance, method: str) -> adr_opt.Result:
     return result
 
 
-@over_seeds(range(150), gate=7)
+@over_seeds(range(150), gate=4)
 def test_routes_are_those_of_enumeration(seed: int) -> None:
     """Prizes, cost and both proofs are those of all orders, with rules on and off."""
     _compare(timed_mission(seed), "exact" if seed % 2 else "auto")
 
 
-@over_seeds(range(200), gate=11)
+@over_seeds(range(200), gate=6)
 def test_tours_are_those_of_enumeration(seed: int) -> None:
     """With all targets required the end is the least of all orders, or there is no tour."""
     _compare(timed_mission(seed, all_required=True), "auto" if seed % 2 else "exact")
 
 
-@over_seeds(range(100), gate=6)
+@over_seeds(range(100), gate=3)
 def test_relaxed_tours_end_no_later(seed: int) -> None:
     """For any multipliers, steps and memories the relaxation is no more than the best tour."""
     instance = timed_mission(seed, all_required=True)
@@ -72,7 +72,7 @@ def test_relaxed_tours_end_no_later(seed: int) -> None:
     assert end_of(tour, outcome.order) == outcome.end_s
 
 
-@over_seeds(range(60), gate=4)
+@over_seeds(range(60), gate=3)
 def test_bounds_hold_whenever_the_search_ends(seed: int) -> None:
     """Bound and best tour enclose the least end after every round."""
     instance = timed_mission(seed, all_required=True)

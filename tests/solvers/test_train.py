@@ -124,17 +124,21 @@ def test_a_folder_of_another_training_is_refused(tmp_path: Path) -> None:
         TrainingRun(tmp_path / "run", config, 0)
 
 
+BRIEF = replace(
+    configs.config("set-transfer"),
+    fields=fields.Fields(targets=(3, 5)),
+    missions=2,
+    rollout=16,
+    batch=8,
+    epochs=2,
+    slots=2,
+)
+"""A configuration with rollouts of 32 steps."""
+
+
 def _model(seed: int = 0) -> tuple[MaskablePPO, MissionVecEnv]:
-    """A model that learns in rollouts of 32 steps."""
-    config = replace(
-        configs.config("set-transfer"),
-        fields=fields.Fields(targets=(3, 5)),
-        missions=2,
-        rollout=16,
-        batch=8,
-        epochs=2,
-        slots=2,
-    )
+    """A model that learns in them."""
+    config = BRIEF
     env = MissionVecEnv(2, config.fields, observation=config.observation, slots=2, seed=seed)
     return trainer.model_of(config, env, seed, "cpu"), env
 
@@ -239,15 +243,7 @@ def test_a_full_disk_ends_a_training_in_a_sentence(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """What TensorBoard or the checkpoint cannot write ends the training with one sentence."""
-    config = replace(
-        configs.config("set-transfer"),
-        fields=fields.Fields(targets=(3, 5)),
-        missions=2,
-        rollout=16,
-        batch=8,
-        epochs=1,
-        slots=2,
-    )
+    config = replace(BRIEF, epochs=1)
     calls: dict[str, Any] = {
         "steps": 3200,
         "seed": 0,

@@ -11,6 +11,7 @@ from catalogue_files import SPELLINGS, as_xml, field
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from messages import oem, oem_in_xml
+from seeds import over_examples
 from spoilt_catalogues import PIECES, SEEDS, outcome, with_checksums
 
 from adr_opt.common.errors import InputError
@@ -35,8 +36,9 @@ def spoilt(draw: st.DrawFn) -> bytes:
     return data
 
 
-@given(spoilt(), st.booleans())
-@settings(max_examples=600, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@over_examples(
+    spoilt(), st.booleans(), gate=200, full=600, suppress_health_check=[HealthCheck.too_slow]
+)
 def test_spoilt_files(data: bytes, skip_bad: bool) -> None:
     """A spoilt file is read as far as it is good, or refused in one printable sentence."""
     outcome(data, skip_bad=skip_bad)

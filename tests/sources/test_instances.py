@@ -211,7 +211,8 @@ def script(path: Path) -> ModuleType:
     return module
 
 
-def test_the_library_is_what_the_generator_gives():
+@pytest.mark.parametrize("every", [9, pytest.param(1, marks=pytest.mark.slow)])
+def test_the_library_is_what_the_generator_gives(every):
     """Every instance of the library has the SHA-256 that is listed, and the sizes are as told."""
     library = load_library(INSTANCES / "library.json")
     assert {name: len(library.of_family(name)) for name in FAMILIES} == {
@@ -228,9 +229,9 @@ def test_the_library_is_what_the_generator_gives():
         "electric": 20,
         "fragment-cloud": 5,
     }
-    for entry in library.instances:
+    for entry in library.instances[::every]:
         assert entry.generate().name == entry.name
-    for path in COMMITTED:
+    for path in COMMITTED[::every]:
         assert library.find(path.stem).sha256 == adr_opt.load(path).sha256
 
 

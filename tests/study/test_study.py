@@ -268,9 +268,9 @@ def test_an_end_from_outside_leaves_a_file_to_go_on_from(
     assert child.stdout is not None
     assert [child.stdout.readline() for _ in range(2)] == ["1\n", "2\n"]
     os.kill(child.pid, sign)
-    child.communicate(timeout=30)
+    child.communicate(timeout=300)
     assert set(read(path, Study("slow", 1, asleep))) == {"0", "1"}
-    for _ in range(100):
+    for _ in range(3000):
         try:
             os.killpg(child.pid, 0)
         except ProcessLookupError:

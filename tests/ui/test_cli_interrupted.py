@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import signal
@@ -19,6 +18,9 @@ from terminals import parts, read_until
 import adr_opt
 from adr_opt.plan.plan import load_plan
 from adr_opt.ui.cli.bars import describe
+
+PATIENCE_S = 300.0
+"""After so long what is waited for does not come, however busy the machine."""
 
 
 @pytest.mark.parametrize(
@@ -52,7 +54,7 @@ def begin(tiny_file: Path, method: str, *more: str, **how: Any) -> subprocess.Po
             "--method",
             method,
             "--time-limit",
-            "60",
+            "inf",
             *more,
         ],
         cwd=tiny_file.parent,
@@ -60,7 +62,7 @@ def begin(tiny_file: Path, method: str, *more: str, **how: Any) -> subprocess.Po
         stdout=subprocess.PIPE,
         **{"stderr": subprocess.PIPE, **how},
     )
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + PATIENCE_S
     while not (tiny_file.parent / "started").exists():
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < deadline
@@ -74,19 +76,25 @@ posix = pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
 @posix
 @pytest.mark.usefixtures("methods")
 @pytest.mark.parametrize(
-    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+    ("number", "more"),
+    [(signal.SIGINT, []), pytest.param(signal.SIGTERM, ["--json"], marks=pytest.mark.slow)],
 )
-def test_first_signal_asks_for_the_best_plan(tiny_file: Path, number: int) -> None:
-    """Ctrl-C once: the best plan so far is printed and written, exit 0, a message on stderr."""
-    process = begin(tiny_file, "patient", "--json", "--out", "plan.json")
+def test_first_signal_asks_for_the_best_plan(tiny_file: Path, number: int, more: list[str]) -> None:
+    """Ctrl-C once: the best plan so far is printed and written, exit 0, a message on stderr.
+
+    Into a pipe nothing is said but messages: there is no live line.
+    """
+    process = begin(tiny_file, "patient", *more, "--out", "plan.json")
     process.send_signal(number)
-    out, err = process.communicate(timeout=30.0)
+    out, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0, err
     # Its one visit is fewer than those of the plan that every method falls back on.
-    assert json.loads(out)["objective"] == 3.0
-    assert load_plan(tiny_file.parent / "plan.json").to_json() == out
+    plan = load_plan(tiny_file.parent / "plan.json")
+    assert plan.objective == 3.0
+    assert (plan.to_json() == out) == bool(more)
     assert "interrupted: this is the best result so far" in err
-    assert "Traceback" not in err
+    assert all(line.startswith("adr-opt: ") for line in err.splitlines())
+    assert "incumbent" not in err
 
 
 @posix
@@ -99,7 +107,7 @@ def test_second_signal_aborts(tiny_file: Path) -> None:
     assert "interrupt again to abort" in process.stderr.readline()
     assert process.poll() is None
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=30.0)
+    out, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
     assert out == ""
     assert err == "adr-opt: aborted\n"
@@ -123,7 +131,7 @@ def test_aborting_gives_the_cursor_back(tiny_file: Path) -> None:
             process.send_signal(signal.SIGINT)
             sent += 1
     os.close(ours)
-    assert process.wait(timeout=30.0) == 130
+    assert process.wait(timeout=PATIENCE_S) == 130
     hidden, shown = said.rfind(b"\x1b[?25l"), said.rfind(b"\x1b[?25h")
     assert 0 <= hidden < shown
 
@@ -143,22 +151,10 @@ def test_live_line_only_on_a_terminal(tiny_file: Path, more: list[str]) -> None:
     process.send_signal(signal.SIGINT)
     said += read_until(ours)
     os.close(ours)
-    out, _ = process.communicate(timeout=30.0)
+    out, _ = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0
     assert ("incumbent 1  bound 4  gap 75.0%" in said.decode()) == (not more)
     assert "gap 25.0%" in out or "--json" in more
-
-
-@posix
-@pytest.mark.usefixtures("methods")
-def test_no_live_line_without_a_terminal(tiny_file: Path) -> None:
-    """Into a pipe or a file nothing is said but messages."""
-    process = begin(tiny_file, "patient")
-    time.sleep(0.3)
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=30.0)
-    assert all(line.startswith("adr-opt: ") for line in err.splitlines())
-    assert "incumbent" not in err
 
 
 @posix
@@ -185,7 +181,7 @@ def test_interrupted_while_the_timetable_is_built(tmp_path: Path) -> None:
             process.send_signal(signal.SIGINT)
             sent = time.monotonic()
     os.close(ours)
-    process.communicate(timeout=30.0)
+    process.communicate(timeout=PATIENCE_S)
     assert time.monotonic() - sent < 60.0
     assert process.returncode in (0, 1)
     assert b"Traceback" not in said
@@ -207,7 +203,7 @@ def on_terminal(code: str, arguments: list[str], folder: Path) -> tuple[subproce
     return process, ours
 
 
-SLEEP = "import time; slow = lambda *given, **named: time.sleep(100); "
+SLEEP = "import time; slow = lambda *given, **named: time.sleep(600); "
 
 
 @posix
@@ -245,7 +241,7 @@ def test_long_verbs_have_a_bar_and_end_at_once(
     said = read_until(ours, shown)
     assert shown in said, said
     process.send_signal(signal.SIGINT)
-    assert process.wait(timeout=30.0) == 130
+    assert process.wait(timeout=PATIENCE_S) == 130
     said += read_until(ours)
     os.close(ours)
     assert said.replace(b"\r", b"").endswith(b"adr-opt: aborted\n")
@@ -262,7 +258,7 @@ def test_a_tradeoff_counts_proven_points(tmp_path: Path) -> None:
     process, ours = on_terminal("", call, tmp_path)
     said = read_until(ours)
     os.close(ours)
-    out, _ = process.communicate(timeout=60.0)
+    out, _ = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0
     assert b"proven points" in said
     assert b"2 of 2 points proven" in said

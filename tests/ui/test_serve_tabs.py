@@ -77,13 +77,13 @@ def test_tabs_share_one_stream_and_all_answer(
     with Tabs(tab, count, windows=True) as tabs:
         for _ in tabs:
             tab.go(url)
-            on_page(tab, "phase", "idle", 20.0)
-            assert tab.evaluate(SEEN)
+            on_page(tab, "phase", "idle")
+            tab.wait_for(SEEN)
         put(tab, "Prize of north", "5")
         for _ in tabs:
-            on_page(tab, "revision", 1, 20.0)
+            on_page(tab, "revision", 1)
             assert tab.evaluate("fetch('/state').then((answer) => answer.status)") == 200
-        assert len(held) == 1
+        until(lambda: len(held) == 1)
 
 
 def test_no_stream_is_open_while_no_tab_is_seen(
@@ -96,8 +96,8 @@ def test_no_stream_is_open_while_no_tab_is_seen(
             tab.call("Page.bringToFront")
             if number == 0:
                 tab.go(url)
-                on_page(tab, "phase", "idle", 20.0)
-                assert len(held) == 1
+                on_page(tab, "phase", "idle")
+                until(lambda: len(held) == 1)
         until(lambda: not held)
         for number in tabs:
             if number == 0:
@@ -105,11 +105,11 @@ def test_no_stream_is_open_while_no_tab_is_seen(
                     "fetch('/edit', { method: 'POST', body: JSON.stringify({ duration_s: 60000 }),"
                     " headers: { 'Content-Type': 'application/json' } })"
                 )
-                assert not tab.evaluate(SEEN)
+                tab.wait_for(f"!({SEEN})")
                 assert tab.evaluate("document.documentElement.dataset.revision") == "0"
                 tab.call("Page.bringToFront")
-                on_page(tab, "revision", 1, 20.0)
-                assert len(held) == 1
+                on_page(tab, "revision", 1)
+                until(lambda: len(held) == 1)
 
 
 def asked(port: int) -> int:
@@ -125,7 +125,7 @@ def asked(port: int) -> int:
 
 def ended(tab: browser.Browser, said: str) -> None:
     """The page says so of its server, whatever is pressed, and shows nothing as going on."""
-    on_page(tab, "over", said, 20.0)
+    on_page(tab, "over", said)
     sentence = text(tab, "error")
     assert "open the address that" in sentence
     click(tab, "plan")

@@ -17,7 +17,7 @@ import page_access
 import pytest
 from catalogue_files import as_tle, field
 from serve_catalogue import catalogue
-from serve_tab import click, drag, drop, look, on_page, put, served, text
+from serve_tab import PAINTED, click, drag, drop, look, on_page, put, served, text
 
 import adr_opt
 from adr_opt.ui.serve.server import LaunchFile
@@ -33,9 +33,6 @@ pytestmark = [
 OBJECTS = 24_000
 LOOKS = [(1280, False), (1280, True), (390, False), (390, True)]
 """Widths of the window, and whether it is dark."""
-
-DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
-"""Waits until the page has drawn what was last done to it."""
 
 
 @pytest.fixture(scope="module")
@@ -67,10 +64,10 @@ def brush(tab: browser.Browser) -> None:
     """Drag in two plots: the brushes intersect, and Escape clears them."""
     every = f"document.getElementById('objects-count').textContent.startsWith('{OBJECTS:,} of')"
     drag(tab, ".brushed", (0.65, 0.85), (0.95, 0.05))
-    tab.evaluate(DRAWN)
+    tab.evaluate(PAINTED)
     first = shown(tab)
     drag(tab, ".plot:nth-child(2) .brushed", (0.3, 0.85), (0.6, 0.05))
-    tab.evaluate(DRAWN)
+    tab.evaluate(PAINTED)
     assert tab.evaluate("document.getElementById('chips').children.length") == 2
     assert 0 < shown(tab) < first < OBJECTS
     for kind in ("keyDown", "keyUp"):
@@ -83,7 +80,7 @@ def filtered(tab: browser.Browser) -> set[str]:
     put(tab, "Inclination [deg], from", 98)
     put(tab, "Node [deg], from", 100)
     put(tab, "Node [deg], to", 100.8)
-    tab.evaluate(DRAWN)
+    tab.evaluate(PAINTED)
     columns = asked(tab, "/objects")
     rows = zip(columns["names"], columns["inclination_deg"], columns["raan_deg"], strict=True)
     wanted = {name for name, tilt, node in rows if tilt >= 98.0 and 100.0 <= node <= 100.8}
@@ -225,7 +222,7 @@ def every_verb(tab: browser.Browser) -> None:
             tab.evaluate("document.getElementById('bound-certificate').click()")
         press(tab, verb)
         made += 1
-        on_page(tab, "results", made, 120.0)
+        on_page(tab, "results", made)
         row = asked(tab, "/results")[-1]
         assert (row["verb"], row["exit_status"]) == (verb, 0), row
         assert row["has_page"] == (verb in PAGES)

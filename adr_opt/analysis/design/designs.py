@@ -11,7 +11,7 @@ from itertools import product
 from ...common.errors import InputError
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, Follower
 from ...problem.support import refuse
 from ..trade.axes import KINDS, MOST_POINTS, Axis, with_drive
 
@@ -162,7 +162,7 @@ def _with_masses(instance: Instance, dry_mass_kg: float | None, isp_s: float | N
 
 
 SEPARATED = Follower(
-    "vary separation", FIRST | CAMPAIGNS | {"functions of time"}, "vary launches instead"
+    "vary separation", FIRST | CAMPAIGNS | MODELLED | {"functions of time"}, "vary launches instead"
 )
 """Launches at intervals, not at times of the plan's choice."""
 

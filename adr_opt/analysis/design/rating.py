@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, TOURS, Follower
 from ...problem.support import refuse
 from ...sources.worth import SetWorths
 
@@ -81,7 +81,7 @@ class Rating:
 
 FOLLOWS = Follower(
     "a comparison of designs",
-    (FIRST | CAMPAIGNS | TOURS | {"functions of time"}) - {"prizes that fall"},
+    (FIRST | CAMPAIGNS | MODELLED | TOURS | {"functions of time"}) - {"prizes that fall"},
 )
 """Designs are compared by worths of one time."""
 

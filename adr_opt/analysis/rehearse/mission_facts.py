@@ -18,7 +18,7 @@ from ...plan.cargo import loads_of, most_left_m_s
 from ...plan.leg_kinds import leg_kinds
 from ...plan.plan import Leg
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, SUPPLIES, Follower, most_targets
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, SUPPLIES, Follower, most_targets
 from ...problem.support import refuse
 from ...problem.uncertainty import LognormalFactor, Uncertainty
 
@@ -97,7 +97,9 @@ class ChaserLimits(NamedTuple):
     is_launched: bool
 
 
-FOLLOWS = Follower("rehearse", (FIRST | CAMPAIGNS) - SUPPLIES - {"low thrust", "prizes that fall"})
+FOLLOWS = Follower(
+    "rehearse", (FIRST | CAMPAIGNS | MODELLED) - SUPPLIES - {"low thrust", "prizes that fall"}
+)
 """What rehearsals and robust plans follow."""
 
 

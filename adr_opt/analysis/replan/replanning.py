@@ -8,7 +8,7 @@ from ...common.clock import now_s
 from ...common.stop import Stop
 from ...judge.admit import AnyPlan, admit
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, Follower
 from ...problem.settings import KeepOutZone
 from ...problem.support import refuse
 from .chaser_states import ChaserState, states_at
@@ -21,7 +21,7 @@ from .starts import former_orders, in_order
 DEFAULT_TIME_LIMIT_S = 2.0
 
 
-FOLLOWS = Follower("replan", FIRST | CAMPAIGNS | {"functions of time"})
+FOLLOWS = Follower("replan", FIRST | CAMPAIGNS | MODELLED | {"functions of time"})
 
 
 def replan(  # noqa: PLR0913

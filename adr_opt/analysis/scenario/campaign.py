@@ -23,7 +23,7 @@ from ...problem.chasers import InOrbit
 from ...problem.frame import Frame
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from ...problem.rules import CAMPAIGNS, FIRST, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, Follower
 from ...problem.support import refuse
 from ...run.front import solve
 from ...sources.worth.air import YEAR_S
@@ -57,7 +57,7 @@ class Offer(NamedTuple):
 
 FOLLOWS = Follower(
     "--campaign",
-    (FIRST | CAMPAIGNS)
+    (FIRST | CAMPAIGNS | MODELLED)
     - {
         "given connections",
         "bodies without an orbit",

@@ -25,7 +25,7 @@ from ...common.files import write_text
 from ...common.stop import Stop
 from ...mission.problem import Problem, problem_of
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, TOURS, Follower
 from ...problem.support import refuse
 from ...run.front import solve
 from .axes import Axis, PointLimits, tanks_of
@@ -74,7 +74,7 @@ class Ending:
 
 FOLLOWS = Follower(
     "a frontier",
-    (FIRST | CAMPAIGNS | TOURS | {"functions of time"})
+    (FIRST | CAMPAIGNS | MODELLED | TOURS | {"functions of time"})
     - {"cost", "expense", "prizes that fall", "limited propellant"},
     "leave it or the frontier out",
 )

@@ -54,7 +54,12 @@ def origin(instance: Instance, plan: Plan, axes: Axes) -> list[str]:
 
 
 def _residual(instance: Instance) -> str:
-    """Accuracy of planned states; an eccentric orbit's mean motion differs from its circle's."""
+    """Accuracy of planned states; an eccentric orbit's mean motion differs from its circle's.
+
+    A safety ellipse lasts for revolutions, in which J2 and what is not linear add up.
+    """
+    if instance.transfer.approach == "safety-ellipse":
+        return "up to some ten metres after a safety ellipse"
     if instance.dynamics == "j2" and instance.is_approximate:
         return "centimetres, or decimetres where orbits are eccentric"
     return "a few centimetres"

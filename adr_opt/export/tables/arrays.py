@@ -41,6 +41,7 @@ def attributes(instance: Instance) -> dict[str, Any]:
         "station": ", ".join(instance.station_names),
         "mu_m3_s2": MU_M3_S2,
         "earth_radius_m": EARTH_RADIUS_M,
+        "transfer_approach": instance.transfer.approach,
         **{f"transfer_{key}": value for key, value in stated["transfer"].items()},
         **{f"given_{key}": value for key, value in given.items()},
         **{f"mission_{key}": value for key, value in stated["mission"].items()},

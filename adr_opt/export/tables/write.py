@@ -16,7 +16,7 @@ from ...legs.connections import Choice
 from ...legs.matrices import FloatArray, Matrices
 from ...mission.mission import Mission
 from ...problem.instance import Instance
-from ...problem.rules import FIRST, JUDGED, SUPPLIES, TOURS, Follower
+from ...problem.rules import FIRST, JUDGED, MODELLED, SUPPLIES, TOURS, Follower
 from ...problem.support import followed, refuse
 from .arrays import require_netcdf, require_parquet, write_netcdf, write_npz, write_parquet
 from .weights import check_quantity, check_scale, write_oplib, write_tsp, write_vrp
@@ -70,7 +70,7 @@ TRANSFERS = Follower("a file of transfers", JUDGED - {"several chasers"})
 
 MODEL_FILES = Follower(
     "a file of the model",
-    FIRST | SUPPLIES | TOURS | {"expense", "functions of time"},
+    FIRST | MODELLED | SUPPLIES | TOURS | {"expense", "functions of time"},
     "write transfers alone, as .npz, .nc or .parquet",
 )
 """Files of the exact network of one chaser, whose legs have no masses."""

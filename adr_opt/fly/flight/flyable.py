@@ -8,7 +8,7 @@ from ...common.errors import InputError
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, TOURS, Follower
 from ...problem.support import refuse
 
 TOLD_M = 1e3
@@ -68,6 +68,7 @@ REFINED = Follower(
     "flying",
     FIRST - {"given connections", "bodies without an orbit"}
     | CAMPAIGNS
+    | MODELLED
     | TOURS
     | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"},
     "its plans have no trajectory",

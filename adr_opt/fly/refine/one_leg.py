@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -18,7 +19,9 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits.short_periods import Array
 from ...plan.plan import Burn, Leg
 from ...plan.refined_plan import Freedom, RefinedBurn, RefinedLeg, RefinedState, RefinedTow
+from ...problem.approach import approach_of
 from ...problem.instance import Instance
+from ...problem.settings import SequenceSettings
 from ..trajectory.bodies import leaving_state
 from ..trajectory.kepler import drift, secular
 from .bodies import Gravity, MovingBodies, moved, recorded, state_of
@@ -140,7 +143,11 @@ def refine_leg(
         to_target,
         bodies.gravity,
     )
-    docking = close(last, *with_a_middle(approach, to_target))
+    docking = (
+        close(last, *with_a_middle(approach, to_target))
+        if rule.approach == "half-lap"
+        else round_the_target(last, rule, [burn.time_s for burn in approach])
+    )
     phases = _phases(() if freedom == "free" else before, flown)
     burns = [*_burns(flown, phases), *_burns(docking, ["approach"] * docking.times.size)]
     misses = residual(course, flown), residual(last, docking)
@@ -225,8 +232,52 @@ def with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
     """
     times = np.array([burn.time_s for burn in burns])
     impulses = np.array([burn.delta_v_m_s for burn in burns])
+    if times.size > 2:  # a safety ellipse has burns across the plane
+        return times, impulses
     quarter = times[0] + (times[-1] - times[0]) * 0.5 * math.pi / max(angle, math.pi)
     return np.insert(times, 1, quarter), np.insert(impulses, 1, 0.0, axis=0)
+
+
+def round_the_target(
+    last: LegEnds, settings: SequenceSettings, times_s: Sequence[float]
+) -> FlownImpulses:
+    """A safety ellipse: its burns as they are by rule, and a capture that ends at the target.
+
+    No burn before the capture is changed to reach anything: what keeps the chaser clear of the
+    target if one is missed is their pattern.
+    """
+    goal, rows = last.goal, approach_of(settings).burns
+    axis = 1.0 / (2.0 / math.hypot(*goal[:3]) - float(goal[3:] @ goal[3:]) / MU_M3_S2)
+    n = math.sqrt(MU_M3_S2 / axis**3)
+    state, now, before, made = last.start, last.start_s, [], []
+    for row, time_s in zip(rows[:-2], times_s, strict=False):
+        state, now = moved(state, time_s - now, last.gravity), time_s
+        speed = math.hypot(*state[3:])
+        ahead = state[3:] / speed
+        normal = np.cross(state[:3], state[3:])
+        normal /= math.hypot(*normal)
+        outward = np.cross(ahead, normal)
+        impulse = n * (row[1] * outward + row[2] * (n * axis / speed) * ahead + row[3] * normal)
+        before.append(state.copy())
+        made.append(impulse)
+        state = state.copy()
+        state[3:] += impulse
+    begin_s, end_s = times_s[-2:]
+    state = moved(state, begin_s - now, last.gravity)
+    angle = last.angle * (end_s - begin_s) / (last.end_s - last.start_s)
+    capture = replace(last, start=state, start_s=begin_s, angle=angle)
+    at = np.array([begin_s, 0.5 * (begin_s + end_s), end_s])
+    normal = np.cross(state[:3], state[3:])
+    towards = np.zeros((3, 3))
+    towards[0] = n * rows[-2, 3] * normal / math.hypot(*normal)
+    closed = close(capture, at, towards)
+    return FlownImpulses(
+        np.r_[times_s[:-2], closed.times],
+        np.vstack([made, closed.impulses]),
+        np.vstack([before, closed.states]),
+        closed.effects,
+        closed.miss,
+    )
 
 
 def _phases(burns: tuple[Burn, ...], flown: FlownImpulses) -> list[str]:

@@ -15,7 +15,6 @@ import numpy.typing as npt
 from ...common.constants import MU_M3_S2
 from ...common.errors import InputError
 from ...kernels.core.compile import kernel
-from ...kernels.legs.burns import PHASES
 from ...kernels.legs.co_elliptic import TransferRule
 from ...kernels.orbits import ephemeris
 from ...legs.families import drift_burns
@@ -234,6 +233,6 @@ def check_drift(
     except InputError as error:
         yield Violation(number, "burns", str(error))
         return as_stated
-    phases = [PHASES[phase] for phase in drift_burns.PHASES]
+    phases = drift_burns.phases(rule)
     yield from check_burns(number, leg, flight.times, flight.vectors, phases)
     return as_stated

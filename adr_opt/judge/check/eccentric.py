@@ -78,5 +78,5 @@ def matching_cost(
     speed = math.sqrt(MU_M3_S2 / math.sqrt(ri * rj))
     alone = 0.5 * speed * float(np.linalg.norm(turned - vectors[0]))
     turning = 2.0 * math.sqrt(comes * leaves) * math.sin(0.5 * sequence.theta)
-    approach = 0.5 * math.sqrt(MU_M3_S2 / rj) / rj * rule.standoff
+    approach = math.sqrt(MU_M3_S2 / rj) / rj * rule.approach_length
     return float(math.hypot(alone, turning) + approach)

@@ -20,6 +20,7 @@ from ...plan.plan import Plan
 from ...problem.instance import AnyInstance
 from ...problem.rules import JUDGED, Follower
 from ...problem.support import followed
+from .missed import check_missed
 from .routes import check_legs, check_routes
 from .totals import check_cost, check_model, check_totals
 from .violation import Violation
@@ -51,6 +52,7 @@ def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
         *check_model(plan),
         *check_routes(instance, plan),
         *check_legs(instance, plan),
+        *check_missed(instance, plan),
         *check_totals(instance, plan),
         *check_cost(instance, plan),
     )

@@ -44,7 +44,8 @@ def crossed(instance: Instance, leg: Leg) -> Iterator[int]:
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
     stretches = list(_stretches(orbits[leg.origin], leg, instance.oblateness_m2))
     arrival = orbits[leg.destination].semi_major_axis_m
-    begins, ends = leg.burns[-2].time_s, leg.burns[-1].time_s
+    begins = next((burn.time_s for burn in leg.burns if burn.phase == "approach"), math.inf)
+    ends = leg.burns[-1].time_s
     for number, zone in enumerate(instance.keep_out_zones):
         if _meets(zone, begins, ends, np.array([arrival])) or any(
             _meets(zone, times[0], times[-1], radii) for times, radii in _open(zone, stretches)

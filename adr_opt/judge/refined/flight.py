@@ -13,10 +13,12 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...common.errors import InputError
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState, RefinedTow
+from ...problem.approach import approach_of
 from ...problem.chasers import Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.altitude import Heights
+from ..check.missed import CAPTURE_REVOLUTIONS, nearest_m, violations
 from ..check.violation import MOST_RELEASE_OFF_M, Violation
 from .holding import LEAST_SHARE, SPARE_M_S, found_m_s
 from .release import released
@@ -124,6 +126,8 @@ def _check_leg(judge: _Judge) -> Iterator[Violation]:
             yield from _off(
                 leg.leg, one.event, one.state, goals[one.event], f"that of {leg.destination!r}"
             )
+    if instance.transfer.approach == "safety-ellipse":
+        yield from _check_missed(judge, passed)
     lowest_m = min(lowest_m, _lowest_docked(judge, start))
     if leg.tow is not None:
         led = Towing(world, bodies, instance, leg.leg).flown(leg.destination, leg.tow)
@@ -164,6 +168,25 @@ def _flown(judge: _Judge) -> tuple[list[_Passed], float, float]:
     state, low = world.arc(state, now, leg.arrival_s)
     passed.append(_Passed("arrival", leg.arrival_s, state))
     return passed, min(lowest, low), shadow_s
+
+
+def _check_missed(judge: _Judge, passed: list[_Passed]) -> Iterator[Violation]:
+    """Check the stated burns of a safety ellipse, each up to the capture missed in turn."""
+    leg, settings = judge.leg, judge.instance.transfer
+    share = CAPTURE_REVOLUTIONS / approach_of(settings).revolutions
+    until_s = leg.arrival_s - share * (leg.arrival_s - leg.standoff_s) + SAME_TIME_S
+    made = [burn for burn in leg.burns if burn.phase == "approach" and burn.time_s <= until_s]
+    target = judge.bodies.state(leg.destination, leg.standoff_s)
+    chaser = next(one.state for one in passed if one.event == "stand-off")
+    axis = 1.0 / (2.0 / math.hypot(*target[:3]) - float(target[3:] @ target[3:]) / MU_M3_S2)
+    least = nearest_m(
+        target[None],
+        chaser[None],
+        np.array([[burn.time_s - leg.standoff_s] for burn in made]),
+        lambda number, _: np.array(made[number].delta_v_m_s),
+        math.tau * np.sqrt(np.array([axis**3]) / MU_M3_S2),
+    )
+    yield from violations(leg.leg, leg.destination, least[:, 0], settings.keep_out_m)
 
 
 def _check_states(leg: RefinedLeg, passed: list[_Passed]) -> Iterator[Violation]:

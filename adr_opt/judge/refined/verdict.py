@@ -14,7 +14,7 @@ from ...common.errors import InputError
 from ...plan.plan import Leg, Plan, Tow
 from ...plan.refined_plan import Freedom, RefinedLeg, RefinedPlan, RefinedTow, reference
 from ...problem.instance import AnyInstance, Instance
-from ...problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, TOGETHER, TOURS, Follower
 from ...problem.support import followed
 from ..check.violation import TIME_TOLERANCE_S, Violation
 from .flight import check_flight
@@ -218,7 +218,8 @@ UNJUDGED = "unjudged"
 
 
 FOLLOWS = Follower(
-    "check of refined plans", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"}
+    "check of refined plans",
+    FIRST | CAMPAIGNS | MODELLED | TOURS | TOGETHER | {"functions of time"},
 )
 
 

@@ -28,6 +28,7 @@ from ...kernels.orbits import elements
 from ...kernels.orbits.ephemeris import EPOCH_S
 from ...legs.families.registry import registered_of
 from ...plan.certificate import Certificate
+from ...problem.approach import approach_of
 from ...problem.instance import Instance
 from .terms import services_s
 
@@ -122,7 +123,7 @@ def _least_s(instance: Instance) -> FloatArray:
     flown = flown + _half_s(0.5 * (low + coelliptic), slower)
     flown = flown + _half_s(0.5 * (coelliptic + radius), slower)
     laps = 2.0 * math.pi / elements.latitude_rates(rows, EPOCH_S)
-    flown = flown + 0.5 * laps - 2.0 * SLACK_S
+    flown = flown + approach_of(settings).revolutions * laps - 2.0 * SLACK_S
     if instance.dynamics == "j2":
         flown = flown - UNSTEADY_S
         if settings.max_drift_s > 0.0:
@@ -150,7 +151,7 @@ def _least_m_s(instance: Instance) -> FloatArray:
         axis=1,
     )
     slowest = np.sqrt(2.0 * MU_M3_S2 * radius / (high * (high + radius)))
-    least = 0.5 * settings.standoff_m * np.sqrt(MU_M3_S2 / radius**3)
+    least = approach_of(settings).length_m * np.sqrt(MU_M3_S2 / radius**3)
     for body in range(len(rows)):
         across = np.linalg.norm(np.cross(normal, normal[body]), axis=1)
         turn = slowest * np.where(normal @ normal[body] > 0.0, across, 1.0)

@@ -47,14 +47,14 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
     Returns
     -------
     times : (burns,) float64
-        [s]; six burns for k = 0, seven else.
+        [s]; four burns for k = 0, five else, and those of the approach.
     vectors : (burns, 3) float64
         [m/s], inertial.
     phases : (burns,) int64
         Index into :data:`PHASES`: the phase that the burn begins; the second terminal burn ends
-        it, at the stand-off, and the second approach burn ends the approach, at the target.
+        it, at the stand-off, and the last approach burn ends the approach, at the target.
     """
-    count = 7 if revolutions > 0 else 6
+    count = (5 if revolutions > 0 else 4) + rule.approach.shape[0]
     times = np.empty(count)
     vectors = np.empty((count, 3))
     phases = np.empty(count, dtype=np.int64)
@@ -119,17 +119,52 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
     ephemeris.turn(after, turned_3)
     times[b + 1], phases[b + 1] = now, TERMINAL
     combine(vectors[b + 1], v3_end - pair.speed_j, after, 0.0, after)
-
-    # Half of a 2:1 relative ellipse: a radial impulse n L/4 towards the Earth at its beginning
-    # and the same at its end (Clohessy–Wiltshire).
-    impulse = 0.25 * pair.speed_j / rj * rule.standoff
-    times[b + 2], phases[b + 2] = now, APPROACH
-    combine(vectors[b + 2], impulse, outward, 0.0, after)
-    now += rule.approach_revolutions * TURN_RAD / pair.rate_j
-    at_target, _ = ephemeris.state_at(orbit_j, now)
-    times[b + 3], phases[b + 3] = now, APPROACH
-    combine(vectors[b + 3], -impulse / rj, at_target, 0.0, after)
+    last_times, last = approach_burns(orbit_j, rule, now, TURN_RAD / pair.rate_j)
+    for burn in range(last_times.size):
+        times[b + 2 + burn], phases[b + 2 + burn] = last_times[burn], APPROACH
+        combine(vectors[b + 2 + burn], 1.0, last[burn], 0.0, after)
     return times, vectors, phases
+
+
+@kernel
+def approach_burns(orbit_j, rule, stand_off, period):
+    """The burns of the approach, each in the frame of where the chaser is then.
+
+    Parameters
+    ----------
+    orbit_j : (columns,) float64
+        Row of the target.
+    rule : adr_opt.kernels.legs.co_elliptic.TransferRule
+    stand_off : float
+        When it begins [s].
+    period : float
+        Of the target [s].
+
+    Returns
+    -------
+    times : (burns,) float64
+        [s].
+    vectors : (burns, 3) float64
+        [m/s], inertial.
+    """
+    count = rule.approach.shape[0]
+    times, vectors = np.empty(count), np.empty((count, 3))
+    for burn in range(count):
+        revolution, radial, along, across, behind = rule.approach[burn]
+        times[burn] = stand_off + revolution * period
+        radius = ephemeris.radius_at(orbit_j, times[burn])
+        n = ephemeris.mean_motion(radius)
+        outward, ahead = ephemeris.state_at(orbit_j, times[burn] - behind / (n * radius))
+        for axis in range(3):
+            second, third = (axis + 1) % 3, (axis + 2) % 3
+            normal = outward[second] * ahead[third] - outward[third] * ahead[second]
+            normal /= radius * radius * n
+            vectors[burn, axis] = n * (
+                radial * outward[axis] / radius
+                + along * ahead[axis] / (n * radius)
+                + across * normal
+            )
+    return times, vectors
 
 
 @kernel

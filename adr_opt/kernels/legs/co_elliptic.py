@@ -3,7 +3,7 @@
 Vocabulary. The chaser leaves body *i* at the line of nodes, flies half an ellipse to the
 *phasing radius* r_x, turns there into plane *j*, waits k revolutions on the circle, flies half
 an ellipse to the co-elliptic radius r_c and half an ellipse to a point L behind body *j*; the
-*approach*, half a safety ellipse, closes the rest.
+*approach* closes the rest.
 
 All orbits are circles here; what eccentric ones add is in
 :mod:`adr_opt.kernels.orbits.eccentricity`.
@@ -31,7 +31,7 @@ class TransferRule(NamedTuple):
     standoff : float
         L: distance behind the target at which the approach begins [m].
     approach_revolutions : float
-        Length of the safety ellipse, 0.5 plus whole inspection laps [periods of the target].
+        Duration of the approach [periods of the target].
     max_phasing_revolutions : int
         Largest k.
     min_radius, max_radius : float
@@ -42,6 +42,10 @@ class TransferRule(NamedTuple):
         Closed keep-out bands: min radius [m], max radius [m], start [s], end [s].
     oblateness : float
         J2 R², 0 for two bodies [m²].
+    approach_length : float
+        ΔV of the approach over the mean motion of the target [m].
+    approach : (burns, 5) float64
+        Its burns, :class:`adr_opt.problem.approach.Approach`.
     """
 
     first_leg_fraction: float
@@ -53,6 +57,8 @@ class TransferRule(NamedTuple):
     time_value: float
     zones: np.ndarray
     oblateness: float
+    approach_length: float
+    approach: np.ndarray
 
 
 class Pair(NamedTuple):
@@ -197,7 +203,7 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
     wide_i = strength * (4.0 * cosine_i * cosine_i - 1.0)
     wide_j = strength * (4.0 * cosine_j * cosine_j - 1.0)
     drifts = ephemeris.planes_drift(rule.oblateness)
-    fixed = 0.5 * ephemeris.mean_motion(rj) * rule.standoff
+    fixed = ephemeris.mean_motion(rj) * rule.approach_length
     eccentricity_i = eccentricity_j = matching_alone = 0.0
     if drifts:
         eccentricity_i = ephemeris.eccentricity_at(orbit_i, time)

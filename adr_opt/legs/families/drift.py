@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from ...kernels.legs import burns as burn_kernels
 from ...kernels.legs import drifting_connections
 from ...kernels.legs.found import ConnectionArrays
 from ...plan.leg_kinds import DRIFT
@@ -37,6 +36,6 @@ class DriftLegs(LegFamily):
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
         pair = ends.leaving, ends.arriving, ends.rule, stated.departure, stated.arrival
         flight = drift_burns.flown(*pair)
-        names = tuple(burn_kernels.PHASES[phase] for phase in drift_burns.PHASES)
+        names = drift_burns.phases(ends.rule)
         manoeuvres = Manoeuvres(flight.times, flight.vectors, names)
         return FlownLeg(stated.departure, drift_burns.shape_m_s(*pair), manoeuvres)

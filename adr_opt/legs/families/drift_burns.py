@@ -29,7 +29,9 @@ from ...kernels.legs.burns import (
     CO_ELLIPTIC,
     DRIFT,
     HOHMANN_1,
+    PHASES,
     TERMINAL,
+    approach_burns,
     half_ellipse_speeds,
 )
 from ...kernels.legs.co_elliptic import TransferRule
@@ -46,10 +48,6 @@ crossings may turn out to be minutes too late."""
 
 CLOSE_M, FARTHEST_M, MOST_STEPS = 1e-6, 5e3, 40
 """Tolerance of a radius [m], its largest step [m], and the maximum number of steps."""
-
-PHASES = (HOHMANN_1, DRIFT, CO_ELLIPTIC, TERMINAL, TERMINAL, APPROACH, APPROACH)
-"""Phases begun by the burns of a drift leg; the second terminal burn and the second approach burn
-end theirs."""
 
 LEAST_CLIMB_M_S = 1e-3
 """Cost of leaving the drift orbit below which two burns share the turn [m/s]."""
@@ -68,6 +66,12 @@ class DriftBurns(NamedTuple):
     def delta_v(self) -> float:
         """Sum of the burns [m/s]."""
         return float(np.linalg.norm(self.vectors, axis=1).sum())
+
+
+def phases(rule: TransferRule) -> tuple[str, ...]:
+    """Phases begun by the burns of a drift leg; the second terminal burn ends its own."""
+    begun = (HOHMANN_1, DRIFT, CO_ELLIPTIC, TERMINAL, TERMINAL)
+    return tuple(PHASES[phase] for phase in (*begun, *[APPROACH] * len(rule.approach)))
 
 
 def flown(
@@ -391,9 +395,8 @@ class Drifting:
         fourth = -turned(third, shifts[1])
         fifth = -turned(fourth, shifts[2])
         moved = shifts[1], shifts[1] + shifts[2]
-        impulse = 0.25 * speed / rj * self._rule.standoff
-        met = times[-1] + self._approach
-        at_target = ephemeris.state_at(self._j, met)[0] / rj
+        period = TURN_RAD / self._rate_j
+        last_times, last = approach_burns(self._j, self._rule, times[-1], period)
         vectors = [
             v1 * ahead(out, line) - math.sqrt(MU_M3_S2 / ri) * ahead(home, line),
             circle * ahead(drifting.carried(shifts[0]), second)
@@ -403,10 +406,8 @@ class Drifting:
             - v2_end * ahead(back.carried(moved[0]), fourth),
             speed * ahead(there.carried(moved[1]), fifth)
             - v3_end * ahead(end.carried(moved[1]), fifth),
-            -impulse * fifth,
-            -impulse * at_target,
         ]
-        return DriftBurns(np.array([*times, times[-1], met]), np.array(vectors))
+        return DriftBurns(np.array([*times, *last_times]), np.vstack([vectors, last]))
 
 
 def _turned_by(radius: float, co_elliptic: float, target: float) -> tuple[float, float]:

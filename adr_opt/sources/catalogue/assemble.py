@@ -91,9 +91,11 @@ class MissionOutline:
         if isinstance(wanted, TransferSettings):
             return wanted
         given = {name: value for name, value in (wanted or {}).items() if value is not None}
+        approach = given.pop("approach", "half-lap")
+        made = TransferSettings().replace(**given)
         if self.dynamics == "j2":
-            return transfers_for(self.duration_s, orbits=orbits, **given)
-        return TransferSettings().replace(**given)
+            made = transfers_for(self.duration_s, orbits=orbits, **given)
+        return made.replace(approach=approach)
 
 
 A_WEEK = MissionOutline()

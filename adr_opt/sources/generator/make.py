@@ -13,7 +13,7 @@ from ...problem.bodies import Disposal, Station, Target
 from ...problem.chasers import AnyTank, AtStation, Chaser, InOrbit, Start, Tank
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from ...problem.settings import KeepOutZone, MissionSettings, TransferSettings
+from ...problem.settings import ApproachName, KeepOutZone, MissionSettings, TransferSettings
 from ...problem.transfer_sizes import transfers_for
 from .families import FAMILIES, Family, family
 from .stream import LARGEST_SEED, Uniform, stream
@@ -105,13 +105,14 @@ def fitted(
     kit_mass_kg: float | None = None,
     towed_kg: float | None = None,
     disposal: Disposal | None = None,
+    approach: ApproachName | None = None,
 ) -> Instance:
-    """The instance with other tanks, with kits or with tows; unchanged without arguments.
+    """The instance with other tanks or approaches, with kits or tows; unchanged without arguments.
 
     Parameters
     ----------
     instance : Instance
-    tank, kits, kit_mass_kg, towed_kg, disposal
+    tank, kits, kit_mass_kg, towed_kg, disposal, approach
         As :func:`adr_opt.generate` takes them.
 
     Raises
@@ -137,7 +138,10 @@ def fitted(
     if towed_kg is not None:
         of_chasers |= {"kits": None, "kit_mass_kg": 0.0}
         of_targets |= {"removal": "tow", "mass_kg": towed_kg}
-    if not of_chasers and not of_targets:
+    transfer = instance.transfer
+    if approach is not None:
+        transfer = transfer.replace(approach=approach)
+    if not of_chasers and not of_targets and transfer == instance.transfer:
         return instance
     mission = instance.mission
     if disposal is not None:
@@ -147,6 +151,7 @@ def fitted(
         chasers=tuple(chaser.replace(**of_chasers) for chaser in instance.chasers),
         targets=tuple(target.replace(**of_targets) for target in instance.targets),
         mission=mission,
+        transfer=transfer,
     )
 
 
@@ -176,6 +181,7 @@ def generate(  # noqa: PLR0913
     kit_mass_kg: float | None = None,
     towed_kg: float | None = None,
     disposal: Disposal | None = None,
+    approach: ApproachName | None = None,
 ) -> Instance:
     """Draw an instance.
 
@@ -203,6 +209,8 @@ def generate(  # noqa: PLR0913
         Instead of kits: each target has this mass [kg] and is towed; needs a tank by mass.
     disposal : DisposalCircle or DisposalPerigee, optional
         The orbit that targets are towed to, where they are.
+    approach : {"half-lap", "safety-ellipse"}, optional
+        Of every transfer; by default half a lap.
 
     Raises
     ------
@@ -253,7 +261,13 @@ def generate(  # noqa: PLR0913
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
     )
     return fitted(
-        drawn, tank=tank, kits=kits, kit_mass_kg=kit_mass_kg, towed_kg=towed_kg, disposal=disposal
+        drawn,
+        tank=tank,
+        kits=kits,
+        kit_mass_kg=kit_mass_kg,
+        towed_kg=towed_kg,
+        disposal=disposal,
+        approach=approach,
     )
 
 

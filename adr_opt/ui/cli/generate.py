@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,6 +11,9 @@ from . import complete, param
 from .output import emit, say
 from .param import fitting_options
 from .parameters import check_out
+
+if TYPE_CHECKING:
+    from ...problem.settings import ApproachName
 
 
 @click.command("generate", short_help="Draw an instance of a family.")
@@ -21,6 +24,7 @@ from .parameters import check_out
 @param.count("--chasers", "N", "Number of chasers; by default the family's.")
 @param.count("--stations", "M", "Number of stations; by default the family's.")
 @fitting_options("by default the family's")
+@param.approach
 @param.file("--out", "Instance file to write; by default it is printed.")
 @param.as_json
 @param.quiet
@@ -31,6 +35,7 @@ def command(
     zones: int,
     chasers: int | None,
     stations: int | None,
+    approach: ApproachName | None,
     out: str | None,
     as_json: bool,
     quiet: bool,
@@ -39,8 +44,8 @@ def command(
     """Draw an instance of FAMILY.
 
     FAMILY is tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large, sso,
-    rocket-bodies, removal, electric or fragment-cloud. With other tanks, kits or tows the same
-    field is drawn, and its name ends in -fitted.
+    rocket-bodies, removal, electric or fragment-cloud. With other tanks, kits, tows or approaches
+    the same field is drawn, and its name ends in -fitted.
     """
     from ...common.files import write_text
     from ...problem.chasers import TankByMass
@@ -67,6 +72,7 @@ def command(
         kit_mass_kg=fitting.kit_mass,
         towed_kg=fitting.tow,
         disposal=fitting.disposal,
+        approach=approach,
     )
     text = instance.to_json()
     if out is not None:

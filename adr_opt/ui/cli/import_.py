@@ -18,6 +18,7 @@ from .parameters import check_out
 if TYPE_CHECKING:
     from ...problem.instance import Instance
     from ...problem.orbit import Orbit
+    from ...problem.settings import ApproachName
     from ...sources.catalogue import Imported
     from ...sources.ephemerides.imported import WithEphemerides
 
@@ -120,6 +121,7 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 )
 @param.number("--departure-spacing-days", "D", "Least time between departures.")
 @param.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
+@param.approach
 @param.flag("--only-prized", "Only objects with a row in --prizes.")
 @param.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
 @param.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
@@ -149,6 +151,7 @@ def command(
     max_drift_days: float | None,
     departure_spacing_days: float | None,
     resolution: float | None,
+    approach: ApproachName | None,
     only_prized: bool,
     criticality: bool,
     ephemerides: bool,
@@ -194,6 +197,7 @@ def command(
         max_drift_days,
         departure_spacing_days,
         resolution,
+        approach,
     ).outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by)
     with naming_options(), busy_bar(wanted(as_json, quiet), "reading objects"):
         found = catalogue.read(files, skip_bad=skip_bad)

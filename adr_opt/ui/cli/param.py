@@ -90,6 +90,11 @@ seed = click.option(
 )
 
 
+approach = choice(
+    "--approach", ("half-lap", "safety-ellipse"), "How targets are approached; default half-lap."
+)
+
+
 def fitting_options(usual: str) -> Callable[[Function], Function]:
     """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank by default."""
     return together(

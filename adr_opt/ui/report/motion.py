@@ -157,6 +157,7 @@ def motion(instance: Instance, plan: Plan, drawn: tuple[DrawnArc, ...]) -> dict[
         :class:`adr_opt.fly.trajectory.Arc` has them; if ``spirals`` is true, they are those of
         :func:`.spirals`. ``legs`` say whose they are, where they lead,
         by number of the body, and when the chaser leaves, is at the stand-off and has docked [s].
+        ``keepOut`` is the radius around targets that a safety ellipse keeps out of, or None [m].
         ``sidereal`` is the angle of Greenwich at the epoch and its rate [rad, rad/s]; ``sun`` is as
         :class:`.Sun` has it.
     """
@@ -179,6 +180,7 @@ def motion(instance: Instance, plan: Plan, drawn: tuple[DrawnArc, ...]) -> dict[
         "sun": list(sun(instance)),
         "kinds": KINDS,
         "phases": {phase: [LABELS[phase], COLOURS[phase]] for phase in PHASES},
+        "keepOut": instance.transfer.kept_out_m,
         "bodies": bodies,
         "chasers": [
             {

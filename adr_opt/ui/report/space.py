@@ -96,7 +96,7 @@ def flight(instance: Instance, plan: Plan) -> str:
         "slider, with day, night and, in orange, the line between them.</p>\n"
         f"{views(instance)}"
         '<div class="chart tall" id="orbits"></div>\n</section>\n'
-        f"{_ground(instance, plan)}\n{_closeup()}\n"
+        f"{_ground(instance, plan)}\n{_closeup(instance)}\n"
         f"<section>\n<h2>Altitude</h2>\n<p>{_altitude_note(instance)}</p>\n"
         '<div class="chart" id="altitude"></div>\n</section>'
     )
@@ -184,16 +184,26 @@ def _longitudes(instance: Instance) -> str:
     )
 
 
-def _closeup() -> str:
+def _closeup(instance: Instance) -> str:
     """The leg as seen from its target."""
+    kept = instance.transfer.kept_out_m
+    ball = (
+        ""
+        if kept is None
+        else (
+            " The approach is a safety ellipse: up to its last half lap, into the target, the "
+            f"chaser stays out of the dotted circle of {kept:g} m, whichever burn is missed."
+        )
+    )
     return (
         '<section>\n<h2>Close-up</h2>\n<p><b id="closeup-leg"></b></p>\n'
         "<p>The chaser as its target sees it: along the track, ahead of the target as it flies; "
         "radial, above it; and across, to the side of its plane. Along the track the arc counts, "
         "laps included; near the target these are the axes of its local frame. It is "
         "the leg that is shown, or else the one that is flown at the time of the slider, of a long "
-        'transfer its last two days.</p>\n<div class="phases" role="group" aria-label="What of the '
-        'leg"><button type="button" class="phase" data-part="transfer" aria-pressed="true">'
+        f'transfer its last two days.{ball}</p>\n<div class="phases" role="group" '
+        'aria-label="What of the leg"><button type="button" class="phase" '
+        'data-part="transfer" aria-pressed="true">'
         'transfer</button><button type="button" class="phase" data-part="approach" '
         'aria-pressed="false">final approach</button></div>\n'
         '<div class="pair"><div class="chart" id="closeup"></div>'

@@ -16,7 +16,9 @@ from .debris import FILE as DEBRIS
 from .debris import read_debris
 from .estimate import LIMITS_M
 
-RULE = TransferRule(1.0, 0.0, 0.0, 0, *LIMITS_M, 0.0, np.empty((0, 4)), OBLATENESS_M2)
+RULE = TransferRule(
+    1.0, 0.0, 0.0, 0, *LIMITS_M, 0.0, np.empty((0, 4)), OBLATENESS_M2, 0.0, np.empty((0, 5))
+)
 """Transfers of the contest: to the debris itself, without a co-elliptic orbit or an approach."""
 
 

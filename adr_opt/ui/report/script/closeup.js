@@ -96,6 +96,16 @@ function seenTraces([across, up], { phases, here }) {
     type: "scatter", mode: "markers", name, x: [x], y: [y], marker, cliponaxis: false,
     hovertemplate: `${name}<extra></extra>`,
   });
+  if (lines.length && part === "approach" && motion.keepOut) {
+    const turns = [...Array(65).keys()].map((at) => at * Math.PI / 32);
+    lines.unshift({
+      type: "scatter", mode: "lines", name: "kept out of", fill: "toself",
+      x: turns.map((turn) => tidy(motion.keepOut * Math.cos(turn))),
+      y: turns.map((turn) => tidy(motion.keepOut * Math.sin(turn))),
+      line: { color: colour("text"), width: 1, dash: "dot" },
+      hovertemplate: `kept out of, ${motion.keepOut} m<extra></extra>`,
+    });
+  }
   const shown = lines.length
     ? [...lines, spot(0, 0, "target", { symbol: "cross", size: 11, color: colour("text") })]
     : [];

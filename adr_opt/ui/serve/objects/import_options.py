@@ -87,6 +87,7 @@ OPTIONS: tuple[JobOption, ...] = (
     number("drift_step_days", "Time step of drifts", "d"),
     number("departure_spacing_days", "Time between departures", "d", "the least"),
     number("resolution", "Least saving of a transfer", "m/s"),
+    choice("approach", "Approach", ("half-lap", "safety-ellipse"), "half-lap", "to targets"),
     flag("ephemerides", "Fit orbits to the element sets", "which are kept beside the instance"),
 )
 """All options but for files, of which those count that were dropped."""

@@ -1,0 +1,321 @@
+"""All approaches of catalogued objects to a refined plan, by a sieve that misses none.
+
+Objects move by SGP4. Those whose shell between perigee and apogee does not meet the chaser's on a
+day are left out of it. The others are looked at each minute: between two samples the distance has a
+least value where its rate changes sign, since two orbits about the Earth turn towards and away from
+each other twice a revolution; ends of arcs, and so burns, are looked at as well. What could come
+near enough is then found by bisection of the rate.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, fields
+from datetime import UTC, datetime, timedelta
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import DAY_S, EARTH_RADIUS_M
+from ...common.errors import InputError
+from ...judge.admit import AnyRefined, admit
+from ...problem.instance import Instance
+from ...sources.catalogue.propagation import satellite_of
+from ...sources.catalogue.records import ElementSet
+from .flown import Array, FlownArc, flown_arcs
+
+DISTANCE_M = 5_000.0
+"""Distance within which approaches are reported by default."""
+
+SAMPLE_S = 60.0
+"""Largest time between samples of the sieve."""
+
+WOBBLE_M = 40_000.0
+"""By which radii of SGP4 leave the shell of its mean elements at most."""
+
+TIDE_1_S2 = 3e-6
+"""Bound on the relative acceleration of two objects in low orbit, for each metre between them."""
+
+SAGITTA_M = 5_000.0
+"""By which radii leave those of samples a minute apart, of orbits of eccentricity 0.1 at most."""
+
+CHUNK = 200
+"""Objects that are propagated at once: 70 MB for a day."""
+
+NEAR_S = 0.5
+"""Distance of the positions that a least distance is interpolated from."""
+
+PRECISION_S = 1e-4
+"""To which times of least distance are found."""
+
+
+@dataclass(frozen=True)
+class Approach:
+    """A least distance between a chaser and an object.
+
+    Attributes
+    ----------
+    time_s : float
+        Since the epoch of the instance [s].
+    epoch : str
+        The same in UTC.
+    chaser : str
+    leg : int
+        Number of the leg.
+    phase : str
+        What the chaser does.
+    object : str
+        As the catalogue names it.
+    object_id : str or None
+        Its international designator.
+    own : bool
+        Whether it is the body that the leg leaves or leads to.
+    miss_m : float
+        Distance [m].
+    radial_m, along_m, cross_m : float
+        Of the object from the chaser: upwards, ahead, and along the chaser's angular momentum [m].
+    speed_m_s : float
+        Of the one against the other [m/s].
+    age_days : float
+        Of the elements at that time.
+    """
+
+    time_s: float
+    epoch: str
+    chaser: str
+    leg: int
+    phase: str
+    object: str
+    object_id: str | None
+    own: bool
+    miss_m: float
+    radial_m: float
+    along_m: float
+    cross_m: float
+    speed_m_s: float
+    age_days: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON data."""
+        return asdict(self)
+
+
+class _Objects:
+    """Objects of a catalogue, moved by SGP4 from an epoch on."""
+
+    def __init__(self, records: Sequence[ElementSet], epoch: datetime, span_s: float) -> None:
+        from sgp4 import api
+
+        self.records, self._array = records, api.SatrecArray
+        self._satellites = [satellite_of(record) for record in records]
+        now = epoch.astimezone(UTC)
+        seconds = now.second + 1e-6 * now.microsecond
+        self._day, self._start = api.jday(*now.timetuple()[:5], seconds)
+        self.shells = np.array([self._shell(row, span_s) for row in range(len(records))])
+
+    def _shell(self, row: int, span_s: float) -> tuple[float, float]:
+        """Least and largest radius of the mean orbit in a span [m]; of a decayed one, all."""
+        satellite, radii = self._satellites[row], list[float]()
+        for share in (0.0, 0.5, 1.0):
+            code, *_ = satellite.sgp4(self._day, self._start + share * span_s / DAY_S)
+            if code:
+                return 0.0, math.inf
+            axis = satellite.am * EARTH_RADIUS_M
+            radii += [axis * (1.0 - satellite.em), axis * (1.0 + satellite.em)]
+        return min(radii) - WOBBLE_M, max(radii) + WOBBLE_M
+
+    def states(self, rows: npt.NDArray[np.intp], times_s: Array) -> Array:
+        """States of some objects, shape (objects, times, 6); NaN where SGP4 fails."""
+        array = self._array([self._satellites[row] for row in rows])
+        fractions = self._start + times_s / DAY_S
+        codes, positions, velocities = array.sgp4(np.full(times_s.size, self._day), fractions)
+        found: Array = 1e3 * np.concatenate([positions, velocities], axis=2)
+        found[codes != 0] = np.nan
+        return found
+
+    def state(self, row: int, time_s: float) -> Array:
+        """State of one object."""
+        code, position, velocity = self._satellites[row].sgp4(
+            self._day, self._start + time_s / DAY_S
+        )
+        return 1e3 * np.array([*position, *velocity]) if code == 0 else np.full(6, np.nan)
+
+
+def screen(
+    instance: Instance,
+    refined: AnyRefined,
+    records: Sequence[ElementSet],
+    *,
+    distance_m: float = DISTANCE_M,
+) -> tuple[Approach, ...]:
+    """All approaches of some objects to a refined plan, by time.
+
+    Parameters
+    ----------
+    instance : Instance
+        With a frame: of it the axes of the plan are known.
+    refined : RefinedPlan or Admitted
+    records : sequence of ElementSet
+    distance_m : float
+        Least distances up to this are reported [m].
+
+    Returns
+    -------
+    tuple of Approach
+
+    Raises
+    ------
+    InputError
+        The refined plan is none of the instance or has violations, there is no frame, or the
+        distance is no positive number.
+    MissingExtra
+        sgp4 or astropy is not installed.
+    """
+    if not 0.0 < distance_m < math.inf:
+        raise InputError(f"distance_m = {distance_m:g}: must be a positive number of metres")
+    admitted = admit(instance, refined)
+    arcs = [arc for arc in flown_arcs(admitted.instance, admitted.plan) if arc.times_s.size > 1]
+    if not (arcs and records):
+        return ()
+    span_s = max(float(arc.times_s[-1]) for arc in arcs)
+    objects = _Objects(records, instance.epoch, span_s)
+    ids = {each.name: each.object_id for each in instance.stations}
+    ids |= {each.name: each.object_id for each in instance.targets}
+    found = [
+        _approach(instance, objects, arc, row, time_s, ids)
+        for arc, row, time_s in _meetings(objects, arcs, distance_m)
+    ]
+    return tuple(sorted(found, key=lambda each: (each.time_s, each.object)))
+
+
+def _meetings(
+    objects: _Objects, arcs: Iterable[FlownArc], distance_m: float
+) -> Iterator[tuple[FlownArc, int, float]]:
+    """Arcs, numbers of objects and times of least distances up to a limit."""
+    for arc in arcs:
+        begin, end = float(arc.times_s[0]), float(arc.times_s[-1])
+        pieces = max(1, math.ceil((end - begin) / DAY_S))
+        cuts = np.linspace(begin, end, pieces + 1)
+        for number, (first, last) in enumerate(pairwise(cuts.tolist())):
+            is_open = number == 0, number == pieces - 1
+            samples = max(2, math.ceil((last - first) / SAMPLE_S) + 1)
+            times = np.linspace(first, last, samples)
+            mine = arc.at(times)
+            radii = np.linalg.norm(mine[:, :3], axis=1)
+            reach = distance_m + SAGITTA_M
+            low, high = radii.min() - reach, radii.max() + reach
+            meeting = np.flatnonzero((objects.shells[:, 0] < high) & (objects.shells[:, 1] > low))
+            for at in range(0, meeting.size, CHUNK):
+                rows = meeting[at : at + CHUNK]
+                for one, sample in _possible(
+                    objects.states(rows, times) - mine, times, distance_m, is_open
+                ):
+                    row = int(rows[one])
+                    span = float(times[sample]), float(times[sample + 1])
+                    time_s, miss_m = _least(objects, arc, row, span)
+                    # An end is a least distance only where an arc ends, or it is another piece's.
+                    inner = (is_open[0] or time_s > first) and (is_open[1] or time_s < last)
+                    if miss_m <= distance_m and inner:
+                        yield arc, row, time_s
+
+
+def _possible(
+    apart: Array, times: Array, distance_m: float, is_open: tuple[bool, bool]
+) -> npt.NDArray[np.intp]:
+    """Objects and samples after which a least distance may be within a limit, shape (n, 2)."""
+    positions, rates = apart[..., :3], apart[..., 3:]
+    closing = np.sum(positions * rates, axis=2)
+    distances, speeds = np.linalg.norm(positions, axis=2), np.linalg.norm(rates, axis=2)
+    comes, goes = closing[:, :-1] <= 0.0, closing[:, 1:] >= 0.0
+    least = comes & goes
+    if is_open[0]:
+        least[:, 0] |= goes[:, 0]
+    if is_open[1]:
+        least[:, -1] |= comes[:, -1]
+    # Straight lines miss by so much; what bends them is the difference of two pulls of the Earth.
+    step = float(times[1] - times[0])
+    missed = np.sqrt(np.maximum(distances**2 - (closing / np.maximum(speeds, 1e-6)) ** 2, 0.0))
+    bent = 0.5 * TIDE_1_S2 * np.maximum(distances[:, :-1], distances[:, 1:]) * step**2
+    near = np.maximum(missed[:, :-1], missed[:, 1:]) - bent <= distance_m
+    # At the ends of an arc the distance itself counts.
+    near[:, 0] |= is_open[0] & (distances[:, 0] <= distance_m)
+    near[:, -1] |= is_open[1] & (distances[:, -1] <= distance_m)
+    return np.argwhere(least & near)
+
+
+def _least(
+    objects: _Objects, arc: FlownArc, row: int, span_s: tuple[float, float]
+) -> tuple[float, float]:
+    """Time and value of the least distance in a span, whose rate changes sign once at most."""
+
+    def apart(time_s: float) -> Array:
+        state: Array = objects.state(row, time_s) - arc.at(np.array([time_s]))[0]
+        return state
+
+    low, high = span_s
+    one, other = apart(low), apart(high)
+    if one[:3] @ one[3:] > 0.0:
+        high = low
+    elif other[:3] @ other[3:] < 0.0:
+        low = high
+    while high - low > PRECISION_S:
+        middle = 0.5 * (low + high)
+        now = apart(middle)
+        low, high = (middle, high) if now[:3] @ now[3:] < 0.0 else (low, middle)
+    time_s = 0.5 * (low + high)
+    if span_s[0] + NEAR_S < time_s < span_s[1] - NEAR_S:
+        # The velocities of SGP4 are not quite the derivatives of its positions, which count.
+        squares = [float(np.sum(apart(time_s + by)[:3] ** 2)) for by in (-NEAR_S, 0.0, NEAR_S)]
+        bend = squares[0] - 2.0 * squares[1] + squares[2]
+        if bend > 0.0:
+            shift_s = 0.5 * NEAR_S * (squares[0] - squares[2]) / bend
+            time_s += min(max(shift_s, -NEAR_S), NEAR_S)
+    return time_s, float(np.linalg.norm(apart(time_s)[:3]))
+
+
+def _approach(
+    instance: Instance,
+    objects: _Objects,
+    arc: FlownArc,
+    row: int,
+    time_s: float,
+    ids: dict[str, str | None],
+) -> Approach:
+    record, mine = objects.records[row], arc.at(np.array([time_s]))[0]
+    apart = objects.state(row, time_s) - mine
+    radial = mine[:3] / np.linalg.norm(mine[:3])
+    momentum = np.cross(mine[:3], mine[3:])
+    cross = momentum / np.linalg.norm(momentum)
+    along = np.cross(cross, radial)
+    now = instance.epoch + timedelta(seconds=time_s)
+    known = {ids.get(body) for body in arc.beside} - {None}
+    return Approach(
+        time_s=time_s,
+        epoch=now.isoformat(timespec="milliseconds").replace("+00:00", "Z"),
+        chaser=arc.chaser,
+        leg=arc.leg,
+        phase=arc.phase,
+        object=record.label,
+        object_id=record.designator,
+        own=record.designator in known or record.label in arc.beside,
+        miss_m=float(np.linalg.norm(apart[:3])),
+        radial_m=float(radial @ apart[:3]),
+        along_m=float(along @ apart[:3]),
+        cross_m=float(cross @ apart[:3]),
+        speed_m_s=float(np.linalg.norm(apart[3:])),
+        age_days=(now - record.epoch).total_seconds() / DAY_S,
+    )
+
+
+def approaches_csv(approaches: Iterable[Approach]) -> str:
+    """Approaches as the text of a CSV file, a row for each."""
+    text = io.StringIO()
+    rows = csv.DictWriter(text, [each.name for each in fields(Approach)], lineterminator="\n")
+    rows.writeheader()
+    rows.writerows(each.to_dict() for each in approaches)
+    return text.getvalue()
