@@ -1,6 +1,7 @@
 """Proofs: what they take, what verifying them takes, and those of campaigns by columns alone.
 
 python bench/proofs.py verify nominal --count 20
+python bench/proofs.py lists nominal-000 nominal-018 --plain
 python bench/proofs.py columns campaign 0-19 --limit 120
 python bench/proofs.py set-up
 """
@@ -10,7 +11,10 @@ from __future__ import annotations
 import resource
 import sys
 import time
+from contextlib import nullcontext
+from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 
 from fields import INSTANCES, best_known, falling, numbers, ready
 from tables import alone, experiment, head, row, timed
@@ -19,6 +23,8 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import MaxIterations
+from adr_opt.judge.verify.lists import Lists
+from adr_opt.judge.verify.plain import plain as plain_core
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.result import Result
 from adr_opt.plan.certificate import Certificate
@@ -84,6 +90,61 @@ def verify(
             f"\nRatio of processor times: median {median(ratios):.2f}, largest {max(ratios):.2f}, "
             f"of {len(ratios)}."
         )
+
+
+def lists(*fields: str, plain: bool = False, certificates: str = "", limit: float = 300.0) -> None:
+    """Cost of checking a proof by its list of closed labels.
+
+    For each field of the library its certificate in ``instances/certificates``, or in a folder of
+    ``--certificates``, or that of a proof by ``exact``. Without sampled connections: ``verify``
+    makes the list and writes it, and checks it once more from the file, with the rows of labels
+    that dominate. ``--plain``: then nothing of the core is compiled.
+    """
+    head(
+        *("field", "bound", "labels made", "labels in the list", "ends", "list, MB"),
+        *("without ends", "made and checked, processor s", "checked, processor s", "verified"),
+    )
+    library = load_library(INSTANCES / "library.json")
+    kept = Path(certificates) if certificates else INSTANCES / "certificates"
+    for name in fields:
+        (entry,) = (
+            each for each in library.of_family(name.rpartition("-")[0]) if each.name == name
+        )
+        shipped = kept / f"{name}.json.gz"
+        if shipped.exists():
+            certificate = adr_opt.load_certificate(shipped)
+        else:
+            certificate = _proven(entry.generate(), "exact", limit)[1]
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "labels.npz"
+            made, _, making = _verified(entry.generate(), certificate, save_labels=path)
+            given = Lists.load(path, certificate)
+            sizes = [path.stat().st_size]
+            listed = []
+            while (each := given.next()) is not None:
+                listed.append(each)
+            given.checked = [each._replace(row=None) for each in listed]
+            given.save(Path(folder) / "narrow.npz", certificate)
+            sizes.append((Path(folder) / "narrow.npz").stat().st_size)
+            with plain_core() if plain else nullcontext():
+                checked, _, checking = _verified(entry.generate(), certificate, labels=path)
+        row(
+            name,
+            f"{checked.upper_bound:g}",
+            f"{made.labels:,}",
+            f"{sum(each.labels.body.size for each in listed):,}",
+            f"{sum(each.row.size for each in listed):,}",
+            *(f"{size / 1e6:.2f}" for size in sizes),
+            *(f"{each:.1f}" for each in (making, checking)),
+            "yes" if checked.verified else "no: " + "; ".join(checked.reasons),
+        )
+
+
+def _verified(
+    instance: Instance, certificate: Certificate, **files: Path
+) -> tuple[adr_opt.Verdict, float, float]:
+    """The verdict on the bound alone, wall time and processor time."""
+    return timed(lambda: adr_opt.verify(instance, None, certificate, connections=0, **files))
 
 
 class ProcessorTime:
@@ -210,4 +271,4 @@ def set_up(runs: int = 3) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, verify, columns, set_up))
+    sys.exit(experiment(__doc__, verify, lists, columns, set_up))

@@ -23,7 +23,10 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = ("CHANGELOG.md", "CONTRIBUTING.md", "examples/README.md", "instances/README.md")
 """Pages outside docs/, besides those of the families of instances."""
 
-DOWNLOADS = ("examples/*.py", "examples/*.ipynb", "CITATION.cff", "LICENSE")
+DOWNLOADS = (
+    *("examples/*.py", "examples/*.ipynb", "CITATION.cff", "LICENSE"),
+    *("adr_opt/judge/verify/closed.py", "adr_opt/judge/verify/completion.py"),
+)
 """Files outside docs/ that pages may link to."""
 
 PROSE = 18

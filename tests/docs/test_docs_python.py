@@ -72,11 +72,16 @@ def test_the_page_on_campaigns_runs(cli: Cli, capsys: pytest.CaptureFixture[str]
     assert listed == able
 
 
-def test_what_the_page_on_waiting_prints(capsys: pytest.CaptureFixture[str]) -> None:
-    """Each block of Python on the page prints what the page says that it prints."""
-    page = read("docs/waiting.md")
-    pairs = re.findall(r"```python\n(.*?)```\n\nprints\n\n```text\n(.*?)```", page, re.DOTALL)
-    assert len(pairs) == page.count("```python") == 3
+@pytest.mark.parametrize("page", ["waiting", "checking-a-proof"])
+def test_what_a_page_says_that_its_python_prints(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each block of Python on the page prints what the page says that it prints, if anything."""
+    (tmp_path / "instances").symlink_to(ROOT / "instances")
+    monkeypatch.chdir(tmp_path)
+    block = r"```python\n(.*?)```\n(?:\nprints\n\n```text\n(.*?)```)?"
+    pairs = re.findall(block, read(f"docs/{page}.md"), re.DOTALL)
+    assert len(pairs) == 3
     names: dict[str, Any] = {}
     for code, printed in pairs:
         exec(code, names)

@@ -17,10 +17,10 @@ from adr_opt.common.constants import SLACK_M_S
 from adr_opt.common.errors import InputError
 from adr_opt.judge.check.tank import TankLevel
 from adr_opt.judge.verify import verify
-from adr_opt.judge.verify.cargo import after_service
+from adr_opt.judge.verify.cargo import Cargo, left_after
 from adr_opt.judge.verify.claim import bound_of
 from adr_opt.judge.verify.names import check_names
-from adr_opt.judge.verify.walks import walks_reach
+from adr_opt.judge.verify.walks import asked, walks_reach
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.evidence import Evidence, Walks
 from adr_opt.mission.problem import Problem
@@ -62,7 +62,7 @@ def scarce(seed: int) -> Instance:
 )
 def test_bounds_where_stations_run_empty_are_verified(draw, seeds, least_paid):
     """The bound before the last packing is verified and holds, refuellings paid for or not."""
-    asked = paid = 0
+    count = paid = 0
     for seed in seeds:
         instance = draw(seed)
         _, certificate = proven(instance)
@@ -71,9 +71,9 @@ def test_bounds_where_stations_run_empty_are_verified(draw, seeds, least_paid):
         verdict = verify(instance, None, certificate, connections=0)
         assert verdict.verified, seed
         assert verdict.upper_bound >= brute_force_campaign(Problem(instance))[0] - 1e-9, seed
-        asked += bool(certificate.walks)
+        count += bool(certificate.walks)
         paid += any(station.name in certificate.multipliers for station in instance.stations)
-    assert asked > 0.43 * len(seeds)
+    assert count > 0.43 * len(seeds)
     assert paid >= least_paid
 
 
@@ -101,7 +101,7 @@ def test_multipliers_of_stations_count_as_often_as_there_are_refuellings():
 
 def test_whatever_refuellings_cost_the_best_plan_is_worth_no_more_than_follows():
     """With any multipliers of stations, what the best plan collects is below no bound."""
-    asked = 0
+    count = 0
     for seed in range(60):
         instance = running_empty(seed)
         prizes, _ = brute_force_campaign(Problem(instance))
@@ -115,9 +115,9 @@ def test_whatever_refuellings_cost_the_best_plan_is_worth_no_more_than_follows()
             if limit is not None:
                 gains[body] -= Fraction(float(rng.uniform(0.0, 2.0)))
                 most += limit * gains[body]
-        assert walks_reach(legs_for(instance), gains, remembered, most, 20.0).reached, seed
-        asked += 1
-    assert asked > 20
+        assert walks_reach(asked(legs_for(instance), gains, remembered, most, 20.0)).reached, seed
+        count += 1
+    assert count > 20
 
 
 @pytest.mark.slow
@@ -167,17 +167,22 @@ def test_services_leave_what_masses_say():
             left -= delta_v
             if removal == "tow":
                 tank.tow(delta_v_of_tow(instance, body), float(objects[instance.names[body]] or 0))
-                left = float(after_service(cargo, body, kits, left))
+                left = left_on(cargo, body, kits, left)
                 if left < 0.0:
                     assert tank.left_m_s < -SLACK_M_S
                     break
                 tows += 1
             elif removal == "kit" and kits and tank.left_m_s > 0.0:
                 tank.leave_kit()
-                left, kits = float(after_service(cargo, body, kits, left)), kits - 1
+                left, kits = left_on(cargo, body, kits, left), kits - 1
                 kits_left += 1
     assert kits_left > 20
     assert tows > 20
+
+
+def left_on(cargo: Cargo, body: int, kits: int, left: float) -> float:
+    """What the verifier says is left after one service [m/s]."""
+    return float(left_after(cargo, np.array([body]), np.array([kits]), np.array([left]))[0])
 
 
 def delta_v_of_tow(instance: Instance, body: int) -> float:

@@ -20,7 +20,7 @@ from seeds import over_kinds
 from verify_fields import laden, legs_for, refuelling, towing_and_laden, worths_of
 
 from adr_opt.judge.verify.legs import losses_of
-from adr_opt.judge.verify.walks import walks_reach
+from adr_opt.judge.verify.walks import asked, walks_reach
 from adr_opt.mission.mission import Mission
 
 every_mission = over_kinds(
@@ -44,7 +44,7 @@ every_mission = over_kinds(
 @every_mission
 def test_whatever_walks_remember_the_best_plan_is_one_of_them(draw, seeds):
     """With any multipliers and neighbourhoods, a walk collects what brute force says, or more."""
-    asked = 0
+    count = 0
     for seed in seeds:
         instance = draw(seed)
         prizes, _, _ = brute_force(Mission(instance))
@@ -64,15 +64,15 @@ def test_whatever_walks_remember_the_best_plan_is_one_of_them(draw, seeds):
         most = best - sum(multipliers) - Fraction(1, 10**9)
         losses = losses_of(instance)
         legs = legs_for(instance)
-        assert walks_reach(legs, gains, remembered, most, slot, losses=losses).reached, seed
-        asked += 1
-    assert asked > 0.6 * len(seeds)
+        assert walks_reach(asked(legs, gains, remembered, most, slot, losses=losses)).reached, seed
+        count += 1
+    assert count > 0.6 * len(seeds)
 
 
 @pytest.mark.parametrize("draw", [laden, towing_and_laden])
 def test_whatever_the_slot_the_best_plan_is_a_walk(draw):
     """However coarsely labels look ahead past services that make a tank worth more or less."""
-    asked = 0
+    count = 0
     for seed in range(120):
         instance = draw(seed)
         if instance.chaser.kit_mass_kg == 0.0:
@@ -84,9 +84,12 @@ def test_whatever_the_slot_the_best_plan_is_a_walk(draw):
         remembered = np.ones((len(worths), len(worths)), dtype=np.bool_)
         most = Fraction(prizes) - Fraction(1, 10**9)
         for slot in np.geomspace(2.0, 1000.0, 12):
-            assert walks_reach(legs, worths, remembered, most, float(slot)).reached, (seed, slot)
-        asked += 1
-    assert asked > 20
+            assert walks_reach(asked(legs, worths, remembered, most, float(slot))).reached, (
+                seed,
+                slot,
+            )
+        count += 1
+    assert count > 20
 
 
 @every_mission
@@ -103,7 +106,9 @@ def test_walks_that_remember_all_are_the_plans(draw, seeds):
         more = Fraction(prizes) + Fraction(1, 10**4)
         losses = losses_of(instance)
         legs = legs_for(instance)
-        assert not walks_reach(legs, worths, remembered, more, 20.0, losses=losses).reached, seed
+        assert not walks_reach(
+            asked(legs, worths, remembered, more, 20.0, losses=losses)
+        ).reached, seed
         decided += prizes < sum(worths)
     assert decided > len(seeds) / 5
 
@@ -123,4 +128,4 @@ def test_no_label_is_dropped_that_the_best_plan_needs():
         remembered = np.ones((len(worths), len(worths)), dtype=np.bool_)
         for off, reached in ((-1e-6, True), (1e-6, False)):
             most = Fraction(best) + Fraction(off)
-            assert walks_reach(legs, worths, remembered, most, 20.0).reached == reached, seed
+            assert walks_reach(asked(legs, worths, remembered, most, 20.0)).reached == reached, seed

@@ -13,7 +13,7 @@ import pytest
 from conftest import Cli, refused
 
 import adr_opt
-from adr_opt.judge.verify import ahead
+from adr_opt.judge.verify import completion
 from adr_opt.learning.next_leg.scorer import load_scorer, shipped
 
 
@@ -38,11 +38,11 @@ def test_fine_steps_of_certificates_are_refused(
 
 def test_slots_are_as_many_as_there_is_memory_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever the certificate says, tables of what lies ahead keep to the free memory."""
-    monkeypatch.setattr(ahead, "available_bytes", lambda: 1e6)
-    assert ahead.most_slots(1e4) == 25.0
-    monkeypatch.setattr(ahead, "available_bytes", lambda: 1e15)
-    assert ahead.most_slots(1e5) == 1e4
-    assert ahead.most_slots(1.0) == ahead.MOST_SLOTS
+    monkeypatch.setattr(completion, "available_bytes", lambda: 1e6)
+    assert completion.most_slots(1e4) == 25.0
+    monkeypatch.setattr(completion, "available_bytes", lambda: 1e15)
+    assert completion.most_slots(1e5) == 1e4
+    assert completion.most_slots(1.0) == completion.MOST_SLOTS
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_M_S
-from ...kernels.core.compile import inlined
+from ...kernels.core.compile import kernel
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.instance import Instance
 from ..check.towed import Towed
@@ -56,34 +56,31 @@ class Cargo(NamedTuple):
     heavy: bool
 
 
-@inlined
-def changes(cargo, body, kits):
-    """Whether the service of a body changes the remaining ΔV."""
-    return cargo.share[body, kits] != 1.0 or cargo.lost[body, kits] > 0.0
+UP_M_S = 2.0**-30
+"""What ΔV after a service is rounded up by: far more than its formula may be off, and far less than
+the slack of the model [m/s]."""
 
 
-@inlined
-def after_service(cargo, body, kits, left):
-    """ΔV left after a service begun with a number of kits; negative if infeasible.
+@kernel
+def left_after(cargo, body, kits, left):
+    """ΔV left after services begun with a number of kits, rounded up; negative if infeasible.
 
     Parameters
     ----------
-    left : float
-        On arrival, at least 0: with the slack of the model, to which no kit adds [m/s].
+    cargo : Cargo
+    body, kits : (services,) int64
+    left : (services,) float64
+        On arrival, with the slack of the model, to which no kit adds; what is negative already
+        stays so [m/s].
     """
-    if not changes(cargo, body, kits) or (cargo.lost[body, kits] == 0.0 and left <= SLACK_M_S):
-        return left
-    ratio = cargo.share[body, kits] * math.expm1((left - SLACK_M_S) / cargo.exhaust)
-    ratio -= cargo.lost[body, kits]
-    if ratio <= -1.0:
-        return -np.inf
-    return cargo.exhaust * math.log1p(ratio) + SLACK_M_S
-
-
-@inlined
-def is_unused(cargo, kits):
-    """Whether kits are aboard that should not have been taken along."""
-    return cargo.heavy and kits > 0
+    at = body * cargo.full.size + kits
+    share, lost = cargo.share.ravel()[at], cargo.lost.ravel()[at]
+    same = (lost == 0.0) & ((share == 1.0) | (left <= SLACK_M_S)) | (left < 0.0)
+    if same.all():
+        return left.copy()
+    ratio = share * np.expm1((left - SLACK_M_S) / cargo.exhaust) - lost
+    after = cargo.exhaust * np.log1p(np.where(ratio > -1.0, ratio, 0.0)) + SLACK_M_S + UP_M_S
+    return np.where(same, left, np.where(ratio > -1.0, after, -np.inf))
 
 
 def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Cargo:
@@ -124,51 +121,35 @@ def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Car
     return Cargo(takes, full, begun, tank.exhaust_m_s, share, lost, heavy)
 
 
-COUNT_BITS, MOST_COUNTED = 15, (1 << 14) - 1
-"""Bits of a count in a packed number, the highest of them always 0, and its greatest value. What
-may be as great is not counted, which leaves more walks."""
-
-GUARDS = sum(1 << COUNT_BITS * (at + 1) - 1 for at in range(4))
-"""The highest bits of all counts."""
-
-
-@inlined
-def none_beyond(counts, most):
-    """Whether none of the counts that are packed in a number is greater than in another one."""
-    return (most | GUARDS) - counts & GUARDS == GUARDS
-
-
 class StayCounts(NamedTuple):
-    """What walks count of their stays, as far as it limits them: counts packed in one number.
+    """What walks count of their stays, as far as it limits them; each kind of count is a row.
 
     Attributes
     ----------
-    adds : (bodies,) int64
-        What a stay adds.
-    keeps : (bodies,) int64
-        Mask of the counts that it leaves as they are; it sets the others to nothing before.
-    most : int
+    adds, keeps : (kinds, bodies) int64
+        What a stay adds; 0 where it sets a count to nothing before, else 1.
+    most : (kinds,) int64
         The most of each count.
     """
 
     adds: npt.NDArray[np.int64]
     keeps: npt.NDArray[np.int64]
-    most: int
+    most: npt.NDArray[np.int64]
 
 
 def counting_of(instance: Instance, chaser: Chaser) -> StayCounts:
     """What is counted: services, at most so many, each with whether it begins anew at a station."""
     between = chaser.max_visits_between_refuels
     limits = [(_most_targets(instance, chaser), False), (between, True)]
-    bodies, first, stations = len(instance.names), instance.first_target, len(instance.stations)
-    adds, keeps, packed = np.zeros(bodies, np.int64), np.full(bodies, -1), 0
-    for at, (most, is_anew) in enumerate(limits):
-        if most is not None and most < min(len(instance.targets), MOST_COUNTED):
-            adds[first:] |= 1 << COUNT_BITS * at
-            packed |= most << COUNT_BITS * at
-            if is_anew:
-                keeps[:stations] &= ~(MOST_COUNTED << COUNT_BITS * at)
-    return StayCounts(adds, keeps, packed)
+    kinds = [
+        (most, anew) for most, anew in limits if most is not None and most < len(instance.targets)
+    ]
+    shape = len(kinds), len(instance.names)
+    adds, keeps = np.zeros(shape, np.int64), np.ones(shape, np.int64)
+    adds[:, instance.first_target :] = 1
+    for kind, (_, anew) in enumerate(kinds):
+        keeps[kind, : len(instance.stations)] = not anew
+    return StayCounts(adds, keeps, np.array([most for most, _ in kinds], dtype=np.int64))
 
 
 def _most_targets(instance: Instance, chaser: Chaser) -> int | None:

@@ -25,8 +25,9 @@ from ..check.towed import towed_bodies
 from .claim import remembered, worths_of
 from .cuts import cuts_of
 from .legs import legs_of
+from .lists import Lists
 from .rules import finders_of
-from .walks import Paying, walks_reach
+from .walks import Paying, asked, walks_reach
 
 SLACK = Fraction(1, 10**10)
 """Share by which a walk may be worth less, so that no rounding of a sum of prizes counts."""
@@ -65,7 +66,11 @@ def why_unverifiable(instance: Instance) -> str | None:
 
 
 def judged_cost(
-    instance: Instance, plan: Plan | None, certificate: Certificate, connecting: ConnectionFinder
+    instance: Instance,
+    plan: Plan | None,
+    certificate: Certificate,
+    connecting: ConnectionFinder,
+    lists: Lists,
 ) -> CostVerdict:
     """Verify the cost part of a certificate, and what a plan states about its cost.
 
@@ -77,6 +82,8 @@ def judged_cost(
     certificate : Certificate
         Names bodies of the instance.
     connecting : ConnectionFinder
+    lists : Lists
+        Where lists of closed labels may be, and are noted.
     """
     cost = certificate.cost
     if cost is None:
@@ -85,7 +92,7 @@ def judged_cost(
     if obstacle is not None:
         return CostVerdict(None, 0, (f"the cost part is not yet verifiable: {obstacle}",))
     follows = _walks_together if cost.walks else _walk_alone
-    unproven, labels = follows(instance, certificate, cost, connecting)
+    unproven, labels = follows(_Case(instance, certificate, cost, connecting, lists))
     if unproven is not None:
         return CostVerdict(None, labels, (unproven,))
     return CostVerdict(cost.bound, labels, tuple(_compared(plan, cost)))
@@ -119,15 +126,22 @@ def _spent(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> 
     return Fraction(connecting.spent_m_s(instance.names.index(chaser.start_name)))
 
 
-def _walk_alone(
-    instance: Instance, certificate: Certificate, cost: ProvenCost, connecting: ConnectionFinder
-) -> tuple[str | None, int]:
+class _Case(NamedTuple):
+    instance: Instance
+    certificate: Certificate
+    cost: ProvenCost
+    connecting: ConnectionFinder
+    lists: Lists
+
+
+def _walk_alone(case: _Case) -> tuple[str | None, int]:
     """Why it does not follow for a single chaser, and how many labels that took."""
+    instance, certificate, cost, connecting, lists = case
     if cost.bound <= 0.0:
         return None, 0  # nothing costs less than nothing
     (chaser,) = instance.chasers
     worths, least = worths_of(instance, certificate), _least_worth(instance, certificate, cost)
-    answer = walks_reach(
+    question = asked(
         legs_of(instance, chaser, connecting),
         _counts(instance, certificate, cost, chaser),
         remembered(instance, cost.neighbourhoods),
@@ -137,15 +151,15 @@ def _walk_alone(
         certificate.delta_v_slot_m_s,
         paying=Paying(instance.time_m_s_per_s, worths, least),
     )
+    answer = walks_reach(question, lists)
     said = f"a walk that is worth enough may cost less than {cost.bound:g} m/s"
     wrong = f"{said}, but the certificate says that none does"
-    return (wrong if answer.reached else None), answer.labels
+    return (answer.why or wrong if answer.reached else None), answer.labels
 
 
-def _walks_together(
-    instance: Instance, certificate: Certificate, cost: ProvenCost, connecting: ConnectionFinder
-) -> tuple[str | None, int]:
+def _walks_together(case: _Case) -> tuple[str | None, int]:
     """The same for several chasers."""
+    instance, certificate, cost, connecting, lists = case
     least = _least_worth(instance, certificate, cost)
     paid = [Fraction(each) for each in cost.multipliers.values()]
     paid += [Fraction(cut.multiplier) for cut in cost.cuts]
@@ -156,7 +170,7 @@ def _walks_together(
     labels, cuts = 0, cuts_of(instance, cost.cuts)
     for walks in cost.walks:
         for chaser, own in finders_of(instance, walks.chasers, connecting):
-            answer = walks_reach(
+            question = asked(
                 legs_of(instance, chaser, own),
                 _counts(instance, certificate, cost, chaser),
                 remembered(instance, walks.neighbourhoods),
@@ -165,7 +179,10 @@ def _walks_together(
                 cuts,
                 Paying(instance.time_m_s_per_s),
             )
+            answer = walks_reach(question, lists)
             labels += answer.labels
+            if answer.why is not None:
+                return f"the labels of {chaser.name!r} show nothing: {answer.why}", labels
             if answer.reached:
                 said = f"a walk of {chaser.name!r} comes to {walks.most:g} m/s less what it costs"
                 return f"{said}, but the certificate says that none does", labels

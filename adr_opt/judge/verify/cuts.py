@@ -11,17 +11,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ...kernels.core.compile import inlined
+from ...kernels.core.compile import kernel
 from ...plan.certificate import ProvenCut
 from ...problem.instance import Instance
 
 WORD = 63
-"""Number of cuts per integer."""
+"""Number of cuts, or of targets, per integer."""
 
 
 class NumberedCut(NamedTuple):
@@ -43,9 +43,9 @@ class Tolls(NamedTuple):
 
     Attributes
     ----------
-    rows, memory : (bodies, words) int64
+    rows, memory : (words, bodies) int64
         Cuts that a body is a row of, and those that are remembered there.
-    toll : (words·63,) int64
+    toll : (cuts,) int64
     """
 
     rows: npt.NDArray[np.int64]
@@ -69,38 +69,20 @@ def cuts_of(instance: Instance, cuts: Iterable[ProvenCut]) -> tuple[NumberedCut,
 def tolls_of(cuts: tuple[NumberedCut, ...], bodies: int, unit: Fraction) -> Tolls:
     """Tolls in units, rounded down: in favour of walks."""
     words = (len(cuts) + WORD - 1) // WORD
-    rows, memory = (np.zeros((bodies, words), dtype=np.int64) for _ in range(2))
-    toll = np.zeros(words * WORD, dtype=np.int64)
+    rows, memory = (np.zeros((words, bodies), dtype=np.int64) for _ in range(2))
+    toll = np.zeros(len(cuts), dtype=np.int64)
     for number, cut in enumerate(cuts):
         word, bit = number // WORD, np.int64(1) << (number % WORD)
-        rows[list(cut.rows), word] |= bit
-        memory[list(cut.memory), word] |= bit
-        toll[number] = min(math.floor(cut.multiplier / unit), 2**58)
+        rows[word, list(cut.rows)] |= bit
+        memory[word, list(cut.memory)] |= bit
+        toll[number] = min(math.floor(cut.multiplier / unit), 2**58 // len(cuts))
     return Tolls(rows, memory, toll)
 
 
-@inlined
-def sum_of(tolls: Any, bits: Any, word: Any) -> Any:
-    """Sum of the tolls whose bits are set in a word."""
-    total, at = np.int64(0), word * WORD
-    while bits:
-        if bits & 1:
-            total += tolls.toll[at]
-        bits >>= 1
-        at += 1
-    return total
-
-
-@inlined
-def toll_for(tolls: Any, odd: Any, j: Any) -> Any:
-    """What a walk pays for a service of j, which has made an odd number of services of some cuts.
-
-    Parameters
-    ----------
-    odd : (words,) int64
-        These cuts.
-    """
-    total = np.int64(0)
-    for w in range(odd.size):
-        total += sum_of(tolls, odd[w] & tolls.memory[j, w] & tolls.rows[j, w], w)
+@kernel
+def tolls(bits, toll):
+    """Sums of the tolls whose bits are set, shape (labels,)."""
+    total = np.zeros(bits.shape[1], np.int64)
+    for cut in range(toll.size):
+        total += (bits[cut // WORD] >> (cut % WORD) & 1) * toll[cut]
     return total

@@ -18,6 +18,9 @@ from ...problem.chasers import Chaser
 from ...problem.instance import Instance
 from .terms import Terms, flown_from, terms_of
 
+MOST = 2**58
+"""Largest amount that is taken off at once [units]."""
+
 
 class Loss(NamedTuple):
     """Loss of a prize by a service that ends after a time; a tow belongs to the service.
@@ -48,20 +51,18 @@ def losses_of(instance: Instance) -> tuple[Loss, ...]:
 
 
 def lost_on(legs: Legs, losses: Sequence[Loss], unit: Fraction) -> npt.NDArray[np.int64]:
-    """Losses at the ends of legs, rounded down to units; empty where no prize falls."""
-    if not losses:
-        return np.empty(0, dtype=np.int64)
+    """Losses at the ends of legs, rounded down to units."""
     lost = np.zeros(legs.end.size, dtype=np.int64)
     destination = legs.pair % legs.terms.bodies
     for loss in losses:
-        lost[(destination == loss.body) & (legs.end > loss.after_s)] = loss.lost // unit
+        lost[(destination == loss.body) & (legs.end > loss.after_s)] = min(loss.lost // unit, MOST)
     return lost
 
 
 def lost_by(losses: Sequence[Loss], body: int, end_s: float, unit: Fraction) -> int:
     """Loss of a body's prize by a service that ends at a time, rounded down to units."""
     lost = [loss.lost for loss in losses if loss.body == body and end_s > loss.after_s]
-    return math.floor(max(lost, default=Fraction(0)) / unit)
+    return min(math.floor(max(lost, default=Fraction(0)) / unit), MOST)
 
 
 FloatArray = npt.NDArray[np.float64]
@@ -84,8 +85,10 @@ class Legs(NamedTuple):
         [s], end of service, or of the tow that follows it [s], [m/s].
     cheapest : (legs,) float64
         Least ΔV of the leg and those of its pair that end later [m/s].
+    quickest : (bodies²,) float64
+        Least time from departure to the end of the stay, of each pair [s].
     shortest : float
-        Least time from departure to the end of the stay [s].
+        Of all [s].
     """
 
     terms: Terms
@@ -95,6 +98,7 @@ class Legs(NamedTuple):
     end: FloatArray
     delta_v: FloatArray
     cheapest: FloatArray
+    quickest: FloatArray
     shortest: float
 
 
@@ -113,11 +117,12 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) ->
         np.concatenate([np.empty(0), *parts]) for parts in zip(*columns, strict=True)
     )
     first = np.cumsum(sizes)
-    cheapest = delta_v.copy()
-    for low, high in pairwise(first):
+    cheapest, quickest = delta_v.copy(), np.full(bodies * bodies, math.inf)
+    for number, (low, high) in enumerate(pairwise(first)):
+        quickest[number] = np.min(end[low:high] - departure[low:high], initial=math.inf)
         cheapest[low:high] = np.minimum.accumulate(cheapest[low:high][::-1])[::-1]
     pair = np.repeat(np.arange(bodies * bodies), np.diff(first))
-    shortest = float(np.min(end - departure, initial=math.inf))
+    shortest = float(quickest.min())
     if shortest < LEAST_S:
         raise InputError(f"not yet verifiable: there are legs that take {shortest:g} s")
-    return Legs(terms, first, pair, departure, end, delta_v, cheapest, shortest)
+    return Legs(terms, first, pair, departure, end, delta_v, cheapest, quickest, shortest)

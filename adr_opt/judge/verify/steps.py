@@ -1,8 +1,8 @@
 """Check whether walks of a large field collect the stated amount, in time steps, body by body.
 
-Where there are too many legs for labels (:mod:`.walks`) the pass backwards in time that labels look
-ahead by (:mod:`.ahead`) is all there is. It is coarser than walks are, always so that they may do
-more: times are in *steps* of one length, ΔV in *slots*, and a walk remembers where it comes from
+Where there are too many legs for labels (:mod:`.walks`) a pass backwards in time, as they look
+ahead by (:mod:`.completion`), is all there is. It is coarser than walks are, always so that they
+may do more. Times are in *steps* of one length, ΔV in *slots*; a walk remembers where it is from
 and nothing else. So amounts that it excludes are never collected.
 
 A leg is four whole numbers in one, and each body's legs are worked out, counted and packed before
@@ -28,7 +28,7 @@ from ...common.errors import InputError
 from ...common.memory import available_bytes
 from ...kernels.core.compile import kernel
 from ...legs.connection_finder import ConnectionFinder
-from .ahead import SLOT_SLACK, Onward, Packing, put, slots_in
+from .completion import SLOT_SLACK, slots_in
 from .terms import Terms, flown_from
 
 DEPARTURE, DESTINATION, AHEAD, FIELD = 48, 32, 16, 0xFFFF
@@ -94,14 +94,16 @@ class StepTerms(NamedTuple):
     is_station : (bodies,) bool
     top : int
         Slot of a full tank; −1 where ΔV has a price.
-    packing : Packing
+    mask, never : values
+        Bits of the next body in a packed value, and the value of what is not possible.
     """
 
     code: npt.NDArray[Any]
     toll: Any
     is_station: npt.NDArray[np.bool_]
     top: int
-    packing: Packing
+    mask: Any
+    never: Any
 
 
 class StepValues(NamedTuple):
@@ -169,8 +171,9 @@ def _sweep(legs, behind, i, came_from, terms, values, high, low):
     values : StepValues
         By body, step and slot.
     """
-    code, toll, is_station, top, packing = terms
+    code, toll, is_station, top, mask, never = terms
     best, second = values
+    gives = code[:1].copy()  # of the type of values
     for step in range(high - 1, low - 1, -1):
         own, other = best[i, step], second[i, step]
         own[:] = best[i, step + 1]
@@ -181,25 +184,24 @@ def _sweep(legs, behind, i, came_from, terms, values, high, low):
             j, cost = (leg >> DESTINATION) & FIELD, leg & FIELD
             lands = step + ((leg >> AHEAD) & FIELD)
             landed, landed_second = best[j, lands], second[j, lands]
-            if top >= 0:
-                full = top if is_station[j] else -1
-                put(
-                    own,
-                    other,
-                    landed,
-                    landed_second,
-                    Onward(cost, full, code[j], came_from),
-                    packing,
-                )
-            else:
-                put(
-                    own,
-                    other,
-                    landed,
-                    landed_second,
-                    Onward(0, -1, code[j] - cost * toll, came_from),
-                    packing,
-                )
+            gives[0] = code[j]
+            if top < 0:
+                gives[0] -= cost * toll
+                cost = 0
+            given, fills = gives[0], top >= 0 and is_station[j]
+            for c in range(cost, own.size):
+                at = top if fills else c - cost
+                value = landed[at]
+                if value & mask == came_from:
+                    value = landed_second[at]
+                value = (value & ~mask) + given
+                most = own[c]
+                less = min(most, value)
+                most = max(most, value)
+                own[c] = most
+                if (most ^ less) & mask == 0:
+                    less = never
+                other[c] = max(other[c], less)
     return behind
 
 
@@ -237,7 +239,7 @@ def most_in_steps(
         there is, or services change what is left of a tank and ΔV is looked at all the same.
     """
     steps = math.floor(max(terms.last, 0.0) / length_s) + 2
-    slots = slots_in(float(terms.cargo.full[0]), slot_m_s) + 1
+    slots = int(slots_in(terms.cargo.full[0], slot_m_s)) + 1
     if max(steps, slots, terms.bodies) > MOST:
         raise InputError(
             f"not verifiable: {steps} steps, {slots} slots and {terms.bodies} bodies are too many; "
@@ -255,9 +257,9 @@ def most_in_steps(
     count = sum(each.size for each in legs)
     price = Fraction(0) if worth_per_m_s is None else worth_per_m_s * Fraction(slot_m_s)
     unit, units, toll = _in_units(gains, price, slots, steps // max(1, shortest) + 2, counting)
-    bits, kind = _bits(terms.bodies), counting.kind
+    bits, kind = terms.bodies.bit_length(), counting.kind
     mask = kind((1 << bits) - 1)
-    begun = slots_in(float(terms.begun[-1]), slot_m_s)
+    begun = int(slots_in(terms.begun[-1], slot_m_s))
     worths = list(units)
     for body in np.flatnonzero(terms.is_station):
         worths[body] += toll * (slots - 1)
@@ -271,7 +273,8 @@ def most_in_steps(
         kind(toll << bits),
         terms.is_station,
         slots - 1 if worth_per_m_s is None else -1,
-        Packing(mask, kind(counting.never)),
+        mask,
+        kind(counting.never),
     )
     values = StepValues(best, second)
     behind = [each.size for each in legs]
@@ -291,11 +294,6 @@ def most_in_steps(
     if most < counting.never // 2:
         return None, count
     return Fraction(unit) * ((most >> bits) + toll * begun), count
-
-
-def _bits(bodies: int) -> int:
-    """Number of bits of an index that no body has."""
-    return int(bodies).bit_length()
 
 
 def _step(time_s: float, length_s: float) -> int:
@@ -355,7 +353,7 @@ def _in_units(
     """
     tank = price * (slots - 1)
     largest = max([Fraction(0), *gains]) + tank
-    most = counting.largest >> _bits(len(gains))
+    most = counting.largest >> len(gains).bit_length()
     # Below the largest by so much nobody comes to a body who need not.
     each = most // (most_legs + 1)
     share = largest / each or Fraction(1)

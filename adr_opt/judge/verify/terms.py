@@ -16,7 +16,7 @@ from ...problem.chasers import AtStation, Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.towed import towed_bodies
-from .cargo import Cargo, StayCounts, cargo_of, counting_of, none_beyond
+from .cargo import Cargo, StayCounts, cargo_of, counting_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -105,7 +105,7 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
         ready = served + tows
         in_time = (served <= closes + SLACK_S) & (ready <= last + SLACK_S)
         in_time &= np.arange(bodies) >= first_target
-        in_time &= [bool(none_beyond(int(adds), counting.most)) for adds in counting.adds]
+        in_time &= np.all(counting.adds <= counting.most[:, None], axis=0)
         starts = np.append(starts, np.flatnonzero(in_time))
     return Terms(
         home,

@@ -7,6 +7,7 @@ these are flown again by the physics of `check`.
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -21,12 +22,13 @@ from .claim import bound_of, difference_of, gains, remembered
 from .cost import judged_cost
 from .cuts import cuts_of
 from .legs import legs_of, losses_of
+from .lists import Lists
 from .names import check_names
 from .rules import FOLLOWS, finders_of
 from .sampling import Sampled, sample_connections
 from .steps import most_in_steps
 from .terms import terms_of
-from .walks import walks_reach
+from .walks import asked, walks_reach
 
 CONNECTIONS = 1000
 """Number of connections flown again."""
@@ -93,6 +95,8 @@ def verify(
     *,
     connections: int = CONNECTIONS,
     seed: int = 0,
+    labels: str | os.PathLike[str] | None = None,
+    save_labels: str | os.PathLike[str] | None = None,
 ) -> Verdict:
     """Verify a certificate, and a plan's statements about itself.
 
@@ -106,6 +110,10 @@ def verify(
         So many connections are flown again by the physics of `check`, drawn by the seed, and for a
         tenth as many departures it is asked whether there is a better one.
     seed : int
+    labels : path, optional
+        A file of closed labels to check, in place of those that are made.
+    save_labels : path, optional
+        Such a file to write, if everything is verified.
 
     Raises
     ------
@@ -126,10 +134,11 @@ def verify(
     if certificate.walks or certificate.cost is not None:
         sampled = sample_connections(instance, connecting, connections, seed)
     reasons += sampled.faults
-    labels, legs, refuted = 0, 0, False
+    lists = Lists() if labels is None else Lists.load(labels, certificate)
+    labelled, legs, refuted = 0, 0, False
     for walks in certificate.walks:
-        made, gone, reached = _searched(instance, connecting, certificate, walks)
-        labels, legs = labels + made, legs + gone
+        made, gone, reached = _searched(instance, connecting, certificate, walks, lists)
+        labelled, legs = labelled + made, legs + gone
         if reached is not None:
             reasons.append(reached)
             refuted = True
@@ -137,14 +146,16 @@ def verify(
     difference = difference_of(instance, certificate)
     if not refuted:
         reasons += _compare(plan, certificate, bound, difference)
-    priced = judged_cost(instance, plan, certificate, connecting)
+    priced = judged_cost(instance, plan, certificate, connecting, lists)
     reasons += priced.reasons
     objective = None if plan is None else plan.objective
+    if save_labels is not None and not reasons:
+        lists.save(save_labels, certificate)
     return Verdict(
         tuple(reasons),
         bound,
         objective,
-        labels + priced.labels,
+        labelled + priced.labels,
         sampled.connections,
         sampled.departures,
         legs,
@@ -172,7 +183,11 @@ def _judge(instance: Instance, plan: Plan, certificate: Certificate) -> list[str
 
 
 def _searched(
-    instance: Instance, connecting: ConnectionFinder, certificate: Certificate, walks: ProvenWalks
+    instance: Instance,
+    connecting: ConnectionFinder,
+    certificate: Certificate,
+    walks: ProvenWalks,
+    lists: Lists,
 ) -> tuple[int, int, str | None]:
     """Number of labels and legs needed, and the error if a walk collects more than claimed."""
     neighbourhoods = remembered(instance, walks.neighbourhoods)
@@ -191,10 +206,13 @@ def _searched(
         else:
             legs = legs_of(instance, chaser, own)
             cuts = cuts_of(instance, certificate.cuts)
-            reached, count = walks_reach(
-                legs, worths, neighbourhoods, most, slot_m_s, cuts, losses=losses_of(instance)
+            losses = losses_of(instance)
+            reached, count, why = walks_reach(
+                asked(legs, worths, neighbourhoods, most, slot_m_s, cuts, losses=losses), lists
             )
             made += count
+            if why is not None:
+                return made, gone, f"the labels of {chaser.name!r} show nothing: {why}"
         if reached:
             said = f"a walk of {chaser.name!r} collects {walks.most:g} less multipliers"
             return made, gone, f"{said}, but the certificate says that none does"

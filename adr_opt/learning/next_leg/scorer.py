@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import io
 import json
-import math
 import os
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
-from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 import numpy.typing as npt
 
+from ...common.arrays import read_arrays
 from ...common.errors import InputError
 from ...common.files import write_bytes
 from ...common.json_text import loaded
@@ -132,10 +131,8 @@ def load_scorer(path: str | os.PathLike[str]) -> LegScorer:
     """
     wrong = f"{os.fspath(path)}: is not a file of weights for choosing legs ({FORMAT})"
     try:
-        _refuse_swollen(path)
-        with np.load(path, allow_pickle=False) as content:
-            found = {name: content[name] for name in content.files}
-    except (OSError, ValueError, BadZipFile) as error:
+        found = read_arrays(path, MOST_BYTES)
+    except ValueError as error:
         raise InputError(wrong) from error
     try:
         facts = loaded(found.pop("facts").tobytes().decode())
@@ -151,21 +148,6 @@ def load_scorer(path: str | os.PathLike[str]) -> LegScorer:
     return LegScorer(
         ScorerLayers(*(np.ascontiguousarray(each, np.float32) for each in layers)), facts
     )
-
-
-def _refuse_swollen(path: str | os.PathLike[str]) -> None:
-    """Raise ``ValueError`` for arrays that say that they are larger than what is stored of them."""
-    with ZipFile(path) as packed:
-        if sum(each.file_size for each in packed.infolist()) > MOST_BYTES:
-            raise ValueError("too large")
-        for each in packed.infolist():
-            with packed.open(each) as member:
-                version = np.lib.format.read_magic(member)
-                if version != (1, 0):  # of headers as long as those of weights never are
-                    raise ValueError("another version")
-                shape, _, kind = np.lib.format.read_array_header_1_0(member)
-                if math.prod(shape) * kind.itemsize + member.tell() != each.file_size:
-                    raise ValueError("not whole")
 
 
 @cache

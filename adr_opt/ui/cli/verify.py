@@ -10,7 +10,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, param
 from .output import emit, emit_json
-from .parameters import about
+from .parameters import about, check_out
 
 MOST_CONNECTIONS = 1_000_000
 """As in :mod:`adr_opt.judge.verify`, which takes long to import."""
@@ -41,9 +41,17 @@ TOLD = (
     help="Number of connections to fly again by the physics of 'check'; default 1000.",
 )
 @click.option("--seed", type=click.IntRange(0), default=0, help="Seed of their choice; default 0.")
+@param.file("--labels", "Closed labels to check, in place of a search for them.")
+@param.file("--save-labels", "Closed labels to write, for --labels.")
 @param.as_json
 def command(
-    instance_path: str, paths: tuple[str, ...], connections: int | None, seed: int, as_json: bool
+    instance_path: str,
+    paths: tuple[str, ...],
+    connections: int | None,
+    seed: int,
+    labels: str | None,
+    save_labels: str | None,
+    as_json: bool,
 ) -> int:
     """Recompute the bound of CERTIFICATE for INSTANCE, and judge PLAN by it.
 
@@ -61,6 +69,7 @@ def command(
     from .bars import wanted
     from .work import attend
 
+    check_out(save_labels, instance_path, *paths, labels)
     instance = load(instance_path)
     plan = Plan.load(paths[0]) if len(paths) == 2 else None
     path = paths[-1]
@@ -69,7 +78,15 @@ def command(
     with about(path):
         certificate = admit(instance, read).plan
         verdict = attend(
-            lambda: verify(instance, plan, certificate, seed=seed, connections=tried),
+            lambda: verify(
+                instance,
+                plan,
+                certificate,
+                seed=seed,
+                connections=tried,
+                labels=labels,
+                save_labels=save_labels,
+            ),
             "verifying",
             live=wanted(as_json, quiet=False),
         )

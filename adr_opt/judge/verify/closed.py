@@ -1,0 +1,321 @@
+"""Check of a list of labels: that no walk collects as much as is asked for.
+
+A *walk* is a route of a chaser that may return to targets that it has forgotten; an *answer* is one
+that may end where it is and has collected as much. A *label* is a beginning of walks: where it is
+and since when, what is left of the tank, kits aboard, what it has collected, how many targets it
+has serviced, and which it remembers. One label *dominates* another of its body if it is there no
+later, has as much left and collected with no more services, and remembers nothing else: whatever
+the other can still do, it can. A list of labels, which anybody may have made, is *closed* if
+
+1. none of its labels is an answer,
+2. one of them dominates every beginning of a walk,
+3. every leg of every one of them ends in a label that one of them dominates, or that cannot become
+   an answer any more, by the table of :mod:`.completion`.
+
+Then no walk is an answer. Follow one: a label of the list dominates its beginning. If one dominates
+it before a leg, that label can take this leg, too, and by 3 one dominates it afterwards, or nothing
+that comes can be an answer. Where it ends, one that is no answer dominates it: it is none, either.
+
+Nothing depends on the order of the list. Times and ΔV are exact, or rounded in favour of walks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import chain
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...common.constants import SLACK_S
+from ...kernels.core.compile import kernel
+from .cargo import left_after
+from .completion import Array, Completion, still
+from .cuts import WORD, tolls
+from .legs import Legs
+
+FINE = 30
+"""Extra bits of precision of collected amounts over those of the table."""
+
+MOST = 2**60
+"""Largest amount in a list, so that no sum is too large for an integer [fine units]."""
+
+PAID_LESS = 64
+"""Amount that payments are lessened by, for the rounding of products [fine units]."""
+
+ROWS = 8192
+"""Number of labels that are gone on from at once."""
+
+
+class Labels(NamedTuple):
+    """Labels, the last axis of every column.
+
+    Attributes
+    ----------
+    body, kits : (labels,) int64
+        Where; kits aboard.
+    time, left : (labels,) float64
+        Ready since [s], and what is left of the tank, with the slack of the model [m/s].
+    value, worth : (labels,) int64
+        Collected [fine units]; worth of what was serviced, where that matters, else 0.
+    counts : (kinds, labels) int64
+        Stays of each kind of :class:`.cargo.StayCounts`.
+    memory : (words, labels) int64
+        Bit j % 63 of word j // 63: may not go to target j.
+    odd : (cut words, labels) int64
+        Cuts of which an odd number of services is remembered.
+    """
+
+    body: Array
+    kits: Array
+    time: Array
+    left: Array
+    value: Array
+    worth: Array
+    counts: Array
+    memory: Array
+    odd: Array
+
+    def at(self, rows: Any) -> Labels:
+        """Some of them."""
+        return Labels(*(column[..., rows] for column in self))
+
+
+class Question(NamedTuple):
+    """What walks are asked for.
+
+    Attributes
+    ----------
+    table, reach : Completion
+        For the gains, and for the worth.
+    gain : (bodies,) int64
+        What a service is worth less its multiplier, rounded up [fine units].
+    need : int
+        What a walk is to collect [fine units].
+    lost : (legs,) int64
+        What the prize at the end of each leg has fallen by, rounded down [fine units].
+    neighbourhoods : (words, bodies) int64
+        What a walk that comes to a body still remembers.
+    rows, cut_memory : (cut words, bodies) int64
+        Cuts that a body is a row of, and those that are remembered there.
+    toll : (cuts,) int64
+        What each cut costs, rounded down [fine units].
+    per_m_s, per_s : float
+        What walks pay for ΔV and for the time until they end [fine units per m/s, per s].
+    since : float
+        When that time begins [s].
+    worth : (bodies,) int64
+        Of a service, rounded up [fine units of ``reach``].
+    least : int
+        What a walk is to be worth; 0 where no worth is asked for.
+    """
+
+    table: Completion
+    reach: Completion
+    gain: Array
+    need: int
+    lost: Array
+    neighbourhoods: Array
+    rows: Array
+    cut_memory: Array
+    toll: Array
+    per_m_s: float
+    per_s: float
+    since: float
+    worth: Array
+    least: int
+
+
+Finder = Callable[[Labels], Array]
+"""Gives for each of some labels the row of one in the list that dominates it. A wrong row proves
+nothing, so nobody has to trust it."""
+
+
+def why_open(
+    legs: Legs, question: Question, labels: Labels, starts: Labels, find: Finder
+) -> str | None:
+    """Why a list of labels does not show that no walk is an answer; None if it does.
+
+    Parameters
+    ----------
+    legs : Legs
+    question : Question
+    labels : Labels
+        The list.
+    starts : Labels
+        The beginnings of walks.
+    find : callable
+        Asked for the starts, and then for the ends of the legs of the labels, some at a time: in
+        the order of the list, and those of a label in order of legs.
+    """
+    if any(own.shape[:-1] != one.shape[:-1] for own, one in zip(labels, starts, strict=True)):
+        return "labels have not as many words, or counts, as walks have"
+    ranges = (
+        (labels.value, -MOST, MOST),
+        (labels.worth, -MOST, MOST),
+        (labels.body, 0, legs.terms.bodies - 1),
+        (labels.kits, 0, legs.terms.cargo.full.size - 1),
+    )
+    inside = [np.all((least <= column) & (column <= most)) for column, least, most in ranges]
+    if not (all(inside) and np.all(np.isfinite(labels.time) & np.isfinite(labels.left))):
+        return "a label is at no place, or has no number"
+    if np.any(is_answer(legs, question, labels)):
+        return "a walk collects as much"
+    for ends in chain([starts], ends_of(legs, question, labels)):
+        row = find(ends)
+        if not np.all((row >= 0) & (row < labels.body.size)):
+            return "no label covers the end of a leg, or a start"
+        if not np.all(dominates(legs, question, labels.at(row), ends)):
+            return "a label does not cover the end of a leg, or a start, that it is said to cover"
+    return None
+
+
+def dominates(legs: Legs, question: Question, some: Labels, others: Labels) -> Array:
+    """Which labels dominate others, one by one."""
+    # One with a kit more that weighs something has less left once that is gone.
+    aboard = np.equal if legs.terms.cargo.heavy else np.greater_equal
+    found: Array = (some.body == others.body) & aboard(some.kits, others.kits)
+    found &= (some.time <= others.time) & (some.left >= others.left)
+    found &= some.worth >= others.worth
+    found &= np.all(some.counts <= others.counts, axis=0)
+    found &= np.all(some.memory & ~others.memory == 0, axis=0)
+    # It may have to pay at once what the other one has paid.
+    owing = tolls(some.odd & ~others.odd, question.toll)
+    found &= some.value - owing >= others.value
+    return found
+
+
+def is_answer(legs: Legs, question: Question, labels: Labels) -> Array:
+    """Which walks may end, and count as much as is asked for."""
+    waited = np.maximum(labels.time - question.since, 0.0)
+    value = labels.value - _less(waited * question.per_s)
+    unused = legs.terms.cargo.heavy & (labels.kits > 0)
+    reaches = (value >= question.need) & (labels.worth >= question.least)
+    ends: Array = legs.terms.may_end[labels.body] & ~unused & reaches
+    return ends
+
+
+@kernel
+def _less(product):
+    """A payment, a little less for the rounding of products [fine units]."""
+    return np.maximum(product.astype(np.int64) - PAID_LESS, 0)
+
+
+def ends_of(legs: Legs, question: Question, labels: Labels) -> Iterator[Labels]:
+    """Where the legs of labels end, as far as an answer may come of it; some at a time."""
+    for begin in range(0, labels.body.size, ROWS):
+        some = labels.at(np.s_[begin : begin + ROWS])
+        row, pair, leg = _first_legs(legs, some)
+        onto = _arrived(legs, question, some, row, pair)
+        way, leg, left, value = _flown(legs, question, some, onto, row, pair, leg)
+        ends = onto.at(way)._replace(time=legs.end[leg], left=left, value=value)
+        yield ends.at(np.lexsort((leg, row[way])))
+
+
+def _first_legs(legs: Legs, labels: Labels) -> tuple[Array, Array, Array]:
+    """For labels and bodies that they may go to: row, pair, and the first leg that may be in time.
+
+    A pair is origin · bodies + destination.
+    """
+    terms, found = legs.terms, [np.empty((3, 0), dtype=np.int64)]
+    counting, kits = terms.counting, labels.kits
+    for i in np.unique(labels.body).tolist():
+        here = np.flatnonzero(labels.body == i)
+        for j in range(terms.bodies):
+            pair = i * terms.bodies + j
+            low, high = legs.first[pair], legs.first[pair + 1]
+            if low == high:
+                continue
+            may = (labels.memory[j // WORD, here] >> (j % WORD) & 1 == 0) | terms.is_station[j]
+            may &= kits[here] >= terms.cargo.takes[j]
+            counts = labels.counts[:, here] * counting.keeps[:, j, None] + counting.adds[:, j, None]
+            may &= np.all(counts <= counting.most[:, None], axis=0)
+            rows = here[may]
+            since = labels.time[rows] + legs.quickest[pair] - 2.0 * SLACK_S
+            leg = low + np.searchsorted(legs.end[low:high], since)
+            found.append(np.stack([rows, np.full(rows.size, pair), leg]))
+    row, pair, leg = np.concatenate(found, axis=1)
+    return row, pair, leg
+
+
+def _arrived(legs: Legs, question: Question, labels: Labels, row: Array, pair: Array) -> Labels:
+    """Labels after legs of their pairs, but for their time, their ΔV and what these bring about."""
+    terms, counting, before = legs.terms, legs.terms.counting, labels.at(row)
+    i, j = np.divmod(pair, terms.bodies)
+    memory = before.memory & question.neighbourhoods[:, j]
+    word, bit = i // WORD, np.where(terms.is_station[i], 0, 1 << (i % WORD))
+    for number in range(memory.shape[0]):
+        memory[number] |= np.where(word == number, bit, 0)
+    remembered = before.odd & question.cut_memory[:, j]
+    value = before.value + question.gain[j] - tolls(remembered & question.rows[:, j], question.toll)
+    return before._replace(
+        body=j,
+        kits=before.kits - terms.cargo.takes[j],
+        value=np.maximum(value, -MOST),
+        worth=before.worth + question.worth[j],
+        counts=before.counts * counting.keeps[:, j] + counting.adds[:, j],
+        memory=memory,
+        odd=remembered ^ question.rows[:, j],
+    )
+
+
+@kernel
+def _flown(legs, question, labels, onto, row, pair, leg):
+    """The legs of which an answer may come, one after the other for all pairs at once.
+
+    Parameters
+    ----------
+    legs : Legs
+    question : Question
+    labels, onto : Labels
+        Before a leg, and after one for each row.
+    row, pair, leg : (ways,) int64
+        As :func:`_first_legs` finds them.
+
+    Returns
+    -------
+    way, leg : (ends,) int64
+    left, value : (ends,)
+        After the stay.
+    """
+    terms, way, dearest = legs.terms, np.arange(row.size), np.full(row.size, np.inf)
+    ways, flown, lefts, values = way[:0], way[:0], dearest[:0], way[:0]
+    bodies = terms.service.size
+    i, j = pair // bodies, pair % bodies
+    came_from, stop = np.where(terms.is_station[i], -1, i), legs.first[pair + 1]
+    since, kits, tank = labels.time[row] - SLACK_S, labels.kits[row], labels.left[row]
+    is_station, full = terms.is_station[j], terms.cargo.full[kits]
+    while way.size:
+        inside = leg < stop[way]
+        way, leg, dearest = way[inside], leg[inside], dearest[inside]
+        # Not even by the cheapest of this leg and all later ones: then by none of them.
+        cheapest = legs.cheapest[leg]
+        left = left_after(terms.cargo, j[way], kits[way], tank[way] - cheapest)
+        left = np.where(is_station[way] & (left >= 0.0), full[way], left)
+        value = onto.value[way] - _less(cheapest * question.per_m_s)
+        more = _may_reach(question, onto, way, leg, j, came_from, left, value)
+        way, leg, dearest = way[more], leg[more], dearest[more]
+        cost = legs.delta_v[leg]
+        # What costs no less than an earlier end is no use.
+        flies = (legs.departure[leg] >= since[way]) & (cost < dearest) & (cost <= tank[way])
+        dearest = np.where(flies, cost, dearest)
+        left = left_after(terms.cargo, j[way], kits[way], tank[way] - cost)
+        left = np.where(is_station[way] & (left >= 0.0), full[way], left)
+        value = onto.value[way] - question.lost[leg] - _less(cost * question.per_m_s)
+        good = flies & _may_reach(question, onto, way, leg, j, came_from, left, value)
+        ways, flown = np.concatenate((ways, way[good])), np.concatenate((flown, leg[good]))
+        lefts, values = np.concatenate((lefts, left[good])), np.concatenate((values, value[good]))
+        leg = leg + 1
+    return ways, flown, lefts, values
+
+
+@kernel
+def _may_reach(question, onto, way, leg, j, came_from, left, value):
+    """Whether an answer may come of legs: of what they leave and all that is still to be had."""
+    at, rest = (onto.kits[way], question.table.lands[leg], j[way]), np.maximum(left, 0.0)
+    more = still(question.table, at[0], at[1], at[2], rest, came_from[way])
+    good = (left >= 0.0) & (value + (more << FINE) >= question.need)
+    if question.least > 0:
+        more = still(question.reach, at[0], at[1], at[2], rest, came_from[way])
+        good &= onto.worth[way] + (more << FINE) >= question.least
+    return good

@@ -1,0 +1,166 @@
+"""Lists of closed labels, for the verifier to check.
+
+Nothing here has to be trusted: labels are gone on from by the functions that check the list
+(:mod:`adr_opt.judge.verify.closed`), and those that are said to dominate others are checked.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from adr_opt.common.constants import SLACK_S
+from adr_opt.judge.verify.closed import FINE, Finder, Labels, Question, ends_of, is_answer
+from adr_opt.judge.verify.completion import still
+from adr_opt.judge.verify.cuts import tolls
+from adr_opt.judge.verify.legs import Legs
+from adr_opt.kernels.core.compile import kernel
+
+Array = npt.NDArray[Any]
+
+BLOCK = 64
+"""Number of labels first compared at once."""
+
+
+class Expanded(NamedTuple):
+    """What came of it.
+
+    Attributes
+    ----------
+    reached : bool
+        Whether a walk is an answer; then there is no list.
+    labels : Labels
+        The list.
+    made : int
+        How many labels it took.
+    """
+
+    reached: bool
+    labels: Labels
+    made: int
+
+
+class Known(NamedTuple):
+    """Labels by place, body · (most kits + 1) + kits, in order of time, the better ones first.
+
+    Attributes
+    ----------
+    labels : Labels
+    first : (places + 1,) int64
+        First label of each place.
+    order : (labels,) int64
+        Where each was before it was brought into order.
+    """
+
+    labels: Labels
+    first: Array
+    order: Array
+
+
+def _known(legs: Legs, labels: Labels) -> Known:
+    layers = legs.terms.cargo.full.size
+    place = labels.body * layers + labels.kits
+    order = np.lexsort((-labels.left, -labels.value, labels.time, place))
+    first = np.searchsorted(place[order], np.arange(legs.terms.bodies * layers + 1))
+    return Known(labels.at(order), first, order)
+
+
+@kernel
+def _covering(legs, toll, known, labels, own):
+    """Position of a known label that dominates each of some labels, −1 for none.
+
+    Parameters
+    ----------
+    legs : Legs
+    toll : (cuts,) int64
+    known : Known
+    labels : Labels
+    own : (labels,) int64
+        Their own positions, where they are among the known: then only those before count.
+    """
+    cargo, listed = legs.terms.cargo, known.labels
+    layers, found = cargo.full.size, np.full(labels.body.size, -1)
+    for row in range(labels.body.size):
+        kits = labels.kits[row]
+        left, value, worth = labels.left[row], labels.value[row], labels.worth[row]
+        for aboard in range(kits, kits + 1 if cargo.heavy else layers):
+            place = labels.body[row] * layers + aboard
+            low, end = known.first[place], known.first[place + 1]
+            end = low + np.searchsorted(listed.time[low:end], labels.time[row], side="right")
+            if aboard == kits and own[row] >= 0:
+                end = min(end, own[row])
+            size = BLOCK
+            while found[row] < 0 and end > low:  # the latest are likely to, but any will do
+                begin = max(low, end - size)
+                good = (listed.left[begin:end] >= left) & (listed.value[begin:end] >= value)
+                good &= listed.worth[begin:end] >= worth
+                for kind in range(labels.counts.shape[0]):
+                    good &= listed.counts[kind, begin:end] <= labels.counts[kind, row]
+                for word in range(labels.memory.shape[0]):
+                    good &= listed.memory[word, begin:end] & ~labels.memory[word, row] == 0
+                if toll.size and good.any():
+                    odd = listed.odd[:, begin:end] & ~labels.odd[:, row : row + 1]
+                    good &= listed.value[begin:end] - tolls(odd, toll) >= value
+                if good.any():
+                    found[row] = begin + np.argmax(good)
+                end, size = begin, 2 * size
+    return found
+
+
+def _nowhere(labels: Labels) -> Array:
+    return np.full(labels.body.size, -1)
+
+
+def finder(legs: Legs, question: Question, labels: Labels) -> Finder:
+    """Looks for labels of a list that dominate others."""
+    known = _known(legs, labels)
+
+    def find(others: Labels) -> Array:
+        found = _covering(legs, question.toll, known, others, _nowhere(others))
+        rows: Array = np.append(known.order, -1)[found]
+        return rows
+
+    return find
+
+
+def _joined(parts: list[Labels]) -> Labels:
+    return Labels(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
+
+
+def expand(legs: Legs, question: Question, starts: Labels) -> Expanded:
+    """Make the list: the labels that none before them dominates, from the first one on.
+
+    Labels are gone through in windows of time shorter than every leg, so that all of a window are
+    there when it begins.
+    """
+    pending, closed, toll = [starts], [starts.at(np.s_[:0])], question.toll
+    active, made = closed[0], starts.body.size
+    while any(part.body.size for part in pending):
+        waiting = _joined(pending)
+        begin = float(waiting.time.min())
+        is_due = waiting.time < begin + legs.shortest - 2.0 * SLACK_S
+        due, pending = waiting.at(is_due), [waiting.at(~is_due)]
+        if np.any(is_answer(legs, question, due)):
+            return Expanded(True, closed[0], made)
+        active = _useful(question, active, begin)
+        known = _known(legs, _joined([active, due]))
+        own = np.argsort(known.order)[active.body.size :]
+        fresh = due.at(_covering(legs, toll, known, due, own) < 0)
+        closed.append(fresh)
+        active = _joined([active, fresh])
+        known = _known(legs, active)
+        for ends in ends_of(legs, question, fresh):
+            more = ends.at(_covering(legs, toll, known, ends, _nowhere(ends)) < 0)
+            pending.append(more)
+            made += more.body.size
+    return Expanded(False, _joined(closed), made)
+
+
+def _useful(question: Question, labels: Labels, time_s: float) -> Labels:
+    """Labels that may still dominate one that is ready later and may become an answer."""
+    table = question.table
+    step = np.full(labels.body.size, np.searchsorted(table.last, time_s - SLACK_S))
+    more = still(table, labels.kits, step, labels.body, labels.left, _nowhere(labels))
+    return labels.at(labels.value + (more << FINE) >= question.need)
