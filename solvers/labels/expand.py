@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.common.constants import SLACK_S
-from adr_opt.judge.verify.closed import FINE, Finder, Labels, Question, ends_of, is_answer
+from adr_opt.judge.verify.closed import FINE, ClosedLabels, Finder, Question, ends_of, is_answer
 from adr_opt.judge.verify.completion import still
 from adr_opt.judge.verify.cuts import tolls
 from adr_opt.judge.verify.legs import Legs
@@ -31,40 +31,40 @@ class Expanded(NamedTuple):
     ----------
     reached : bool
         Whether a walk is an answer; then there is no list.
-    labels : Labels
+    labels : ClosedLabels
         The list.
     made : int
         How many labels it took.
     """
 
     reached: bool
-    labels: Labels
+    labels: ClosedLabels
     made: int
 
 
-class Known(NamedTuple):
+class KnownLabels(NamedTuple):
     """Labels by place, body · (most kits + 1) + kits, in order of time, the better ones first.
 
     Attributes
     ----------
-    labels : Labels
+    labels : ClosedLabels
     first : (places + 1,) int64
         First label of each place.
     order : (labels,) int64
         Where each was before it was brought into order.
     """
 
-    labels: Labels
+    labels: ClosedLabels
     first: Array
     order: Array
 
 
-def _known(legs: Legs, labels: Labels) -> Known:
+def _known(legs: Legs, labels: ClosedLabels) -> KnownLabels:
     layers = legs.terms.cargo.full.size
     place = labels.body * layers + labels.kits
     order = np.lexsort((-labels.left, -labels.value, labels.time, place))
     first = np.searchsorted(place[order], np.arange(legs.terms.bodies * layers + 1))
-    return Known(labels.at(order), first, order)
+    return KnownLabels(labels.at(order), first, order)
 
 
 @kernel
@@ -75,8 +75,8 @@ def _covering(legs, toll, known, labels, own):
     ----------
     legs : Legs
     toll : (cuts,) int64
-    known : Known
-    labels : Labels
+    known : KnownLabels
+    labels : ClosedLabels
     own : (labels,) int64
         Their own positions, where they are among the known: then only those before count.
     """
@@ -109,15 +109,15 @@ def _covering(legs, toll, known, labels, own):
     return found
 
 
-def _nowhere(labels: Labels) -> Array:
+def _nowhere(labels: ClosedLabels) -> Array:
     return np.full(labels.body.size, -1)
 
 
-def finder(legs: Legs, question: Question, labels: Labels) -> Finder:
+def finder(legs: Legs, question: Question, labels: ClosedLabels) -> Finder:
     """Looks for labels of a list that dominate others."""
     known = _known(legs, labels)
 
-    def find(others: Labels) -> Array:
+    def find(others: ClosedLabels) -> Array:
         found = _covering(legs, question.toll, known, others, _nowhere(others))
         rows: Array = np.append(known.order, -1)[found]
         return rows
@@ -125,11 +125,11 @@ def finder(legs: Legs, question: Question, labels: Labels) -> Finder:
     return find
 
 
-def _joined(parts: list[Labels]) -> Labels:
-    return Labels(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
+def _joined(parts: list[ClosedLabels]) -> ClosedLabels:
+    return ClosedLabels(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
 
 
-def expand(legs: Legs, question: Question, starts: Labels) -> Expanded:
+def expand(legs: Legs, question: Question, starts: ClosedLabels) -> Expanded:
     """Make the list: the labels that none before them dominates, from the first one on.
 
     Labels are gone through in windows of time shorter than every leg, so that all of a window are
@@ -158,7 +158,7 @@ def expand(legs: Legs, question: Question, starts: Labels) -> Expanded:
     return Expanded(False, _joined(closed), made)
 
 
-def _useful(question: Question, labels: Labels, time_s: float) -> Labels:
+def _useful(question: Question, labels: ClosedLabels, time_s: float) -> ClosedLabels:
     """Labels that may still dominate one that is ready later and may become an answer."""
     table = question.table
     step = np.full(labels.body.size, np.searchsorted(table.last, time_s - SLACK_S))

@@ -17,12 +17,12 @@ from verify_fields import FEW, laden, legs_for, proven, refuelling, towing_and_l
 
 from adr_opt.common.errors import InputError
 from adr_opt.judge.verify import verify
-from adr_opt.judge.verify.closed import Labels, dominates, ends_of, is_answer, why_open
+from adr_opt.judge.verify.closed import ClosedLabels, dominates, ends_of, is_answer, why_open
 from adr_opt.judge.verify.cuts import NumberedCut
 from adr_opt.judge.verify.legs import losses_of
-from adr_opt.judge.verify.lists import Listed, Lists
+from adr_opt.judge.verify.lists import ListedLabels, Lists
 from adr_opt.judge.verify.plain import plain
-from adr_opt.judge.verify.walks import Asked, asked, walks_reach
+from adr_opt.judge.verify.walks import AskedWalks, asked, walks_reach
 from adr_opt.problem.instance import Instance
 from solvers.labels import expand
 
@@ -59,7 +59,7 @@ class Claim:
             cuts.append(NumberedCut(tuple(rows), tuple(range(bodies)), toll))
         return cls(instance, gains, remembered, tuple(cuts))
 
-    def ask(self, most: Fraction, **changed: object) -> Asked:
+    def ask(self, most: Fraction, **changed: object) -> AskedWalks:
         """The question about that much."""
         what = {"gains": self.gains, "cuts": self.cuts, **changed}
         return asked(
@@ -72,11 +72,13 @@ class Claim:
             losses=losses_of(self.instance),
         )
 
-    def listed(self, question: Asked, **changed: object) -> Listed:
+    def listed(self, question: AskedWalks, **changed: object) -> ListedLabels:
         """What a list for another question has of labels that are no answers."""
         legs, about, starts = self.ask(self.least, **changed)
         labels = expand.expand(legs, about, starts).labels
-        return Listed(labels._replace(odd=labels.odd[: question.question.rows.shape[0]]), None)
+        return ListedLabels(
+            labels._replace(odd=labels.odd[: question.question.rows.shape[0]]), None
+        )
 
     @cached_property
     def least(self) -> Fraction:
@@ -91,24 +93,24 @@ class Claim:
         return Fraction(high, 16)
 
     @cached_property
-    def true(self) -> Asked:
+    def true(self) -> AskedWalks:
         """The question about that much."""
         return self.ask(self.least)
 
     @cached_property
-    def false(self) -> Asked:
+    def false(self) -> AskedWalks:
         """The one about the sixteenth before, which a walk collects."""
         return self.ask(self.least - Fraction(1, 16))
 
 
-def true_list(question: Asked) -> Listed:
+def true_list(question: AskedWalks) -> ListedLabels:
     """A list, and who dominates what, as a file has them."""
     lists = Lists()
     assert not walks_reach(question, lists).reached
     return lists.checked[0]
 
 
-def refused(question: Asked, listed: Listed) -> bool:
+def refused(question: AskedWalks, listed: ListedLabels) -> bool:
     """Whether a list shows nothing, with its rows and without."""
     legs, about, starts = question
     search = expand.finder(legs, about, listed.labels)
@@ -136,20 +138,20 @@ def test_no_list_proves_what_is_false(seed):
         )
         for forged in (left, bent):
             if forged.body.size:
-                assert refused(false, Listed(forged, None))
+                assert refused(false, ListedLabels(forged, None))
 
 
-Forgery = Callable[[Claim, Listed, Rng], tuple[Asked, Listed]]
+Forgery = Callable[[Claim, ListedLabels, Rng], tuple[AskedWalks, ListedLabels]]
 
 
-def of_rows(claim: Claim, listed: Listed) -> Labels:
+def of_rows(claim: Claim, listed: ListedLabels) -> ClosedLabels:
     """What the rows of a list are said to dominate."""
     legs, about, starts = claim.true
     parts = [starts, *ends_of(legs, about, listed.labels)]
-    return Labels(*(np.concatenate(each, axis=-1) for each in zip(*parts, strict=True)))
+    return ClosedLabels(*(np.concatenate(each, axis=-1) for each in zip(*parts, strict=True)))
 
 
-def needed(claim: Claim, labels: Labels, rng: Rng) -> int:
+def needed(claim: Claim, labels: ClosedLabels, rng: Rng) -> int:
     """A label that no other one stands for."""
     legs, about, _ = claim.true
     for row in rng.permutation(labels.body.size):
@@ -159,20 +161,20 @@ def needed(claim: Claim, labels: Labels, rng: Rng) -> int:
     raise AssertionError("no label is needed")
 
 
-def dropped(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
+def dropped(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
     """A label is left out."""
     kept = np.delete(np.arange(listed.labels.body.size), needed(claim, listed.labels, rng))
-    return claim.true, Listed(listed.labels.at(kept), None)
+    return claim.true, ListedLabels(listed.labels.at(kept), None)
 
 
-def shifted(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
+def shifted(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
     """A label is said to be ready later."""
     time = listed.labels.time.copy()
     time[needed(claim, listed.labels, rng)] += float(rng.uniform(1e-6, 1e4))
     return claim.true, listed._replace(labels=listed.labels._replace(time=time))
 
 
-def forgotten(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
+def forgotten(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
     """A target is taken from the memory of a label, which then has more legs."""
     legs = claim.true.legs
     most = of_rows(claim, listed).body.size
@@ -186,7 +188,7 @@ def forgotten(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
     return dropped(claim, listed, rng)
 
 
-def misled(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
+def misled(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
     """A row is that of a label that does not dominate, or of none."""
     legs, about, _ = claim.true
     ends, size, rows = of_rows(claim, listed), listed.labels.body.size, listed.row.copy()
@@ -198,19 +200,21 @@ def misled(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
     return claim.true, listed._replace(row=rows)
 
 
-def other_unit(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
+def other_unit(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
     """The list is for prizes in another unit, by which they are less."""
     share = Fraction(1, int(rng.integers(2, 30)))
     return claim.false, claim.listed(claim.false, gains=[share * each for each in claim.gains])
 
 
-def other_multiplier(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
+def other_multiplier(
+    claim: Claim, listed: ListedLabels, rng: Rng
+) -> tuple[AskedWalks, ListedLabels]:
     """The list is for multipliers by which targets give less than they do."""
     more = Fraction(float(rng.uniform(0.1, 3.0)))
     return claim.ask(claim.least, gains=[gain + more for gain in claim.gains]), listed
 
 
-def other_cut(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
+def other_cut(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
     """The list is for cuts by which walks pay what they do not pay."""
     toll = Fraction(float(rng.uniform(0.1, 2.0)))
     bodies = np.arange(claim.instance.first_target, len(claim.gains))
@@ -219,7 +223,9 @@ def other_cut(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
     return claim.false, claim.listed(claim.false, cuts=(*claim.cuts, cut))
 
 
-def other_threshold(claim: Claim, listed: Listed, rng: Rng) -> tuple[Asked, Listed]:
+def other_threshold(
+    claim: Claim, listed: ListedLabels, rng: Rng
+) -> tuple[AskedWalks, ListedLabels]:
     """The list is for more than what is said that no walk collects."""
     return claim.ask(claim.least - Fraction(int(rng.integers(1, 17)), 16)), listed
 
@@ -237,7 +243,7 @@ FORGERIES: list[Forgery] = [
 
 
 @pytest.fixture(scope="module")
-def claims() -> list[tuple[Claim, Listed]]:
+def claims() -> list[tuple[Claim, ListedLabels]]:
     """Claims that need some labels, and their lists."""
     found = []
     for claim in map(Claim.drawn, range(200)):
@@ -265,8 +271,8 @@ def test_lists_that_are_not_forged_are_accepted(claims):
     for claim, listed in claims:
         order = np.random.default_rng(1).permutation(listed.labels.body.size)
         assert not refused(claim.true, listed)
-        assert not refused(claim.true, Listed(listed.labels, None))
-        assert not refused(claim.true, Listed(listed.labels.at(order), None))
+        assert not refused(claim.true, ListedLabels(listed.labels, None))
+        assert not refused(claim.true, ListedLabels(listed.labels.at(order), None))
 
 
 def test_plain_numpy_finds_the_same(claims):

@@ -47,7 +47,7 @@ ROWS = 8192
 """Number of labels that are gone on from at once."""
 
 
-class Labels(NamedTuple):
+class ClosedLabels(NamedTuple):
     """Labels, the last axis of every column.
 
     Attributes
@@ -76,9 +76,9 @@ class Labels(NamedTuple):
     memory: Array
     odd: Array
 
-    def at(self, rows: Any) -> Labels:
+    def at(self, rows: Any) -> ClosedLabels:
         """Some of them."""
-        return Labels(*(column[..., rows] for column in self))
+        return ClosedLabels(*(column[..., rows] for column in self))
 
 
 class Question(NamedTuple):
@@ -126,13 +126,13 @@ class Question(NamedTuple):
     least: int
 
 
-Finder = Callable[[Labels], Array]
+Finder = Callable[[ClosedLabels], Array]
 """Gives for each of some labels the row of one in the list that dominates it. A wrong row proves
 nothing, so nobody has to trust it."""
 
 
 def why_open(
-    legs: Legs, question: Question, labels: Labels, starts: Labels, find: Finder
+    legs: Legs, question: Question, labels: ClosedLabels, starts: ClosedLabels, find: Finder
 ) -> str | None:
     """Why a list of labels does not show that no walk is an answer; None if it does.
 
@@ -140,9 +140,9 @@ def why_open(
     ----------
     legs : Legs
     question : Question
-    labels : Labels
+    labels : ClosedLabels
         The list.
-    starts : Labels
+    starts : ClosedLabels
         The beginnings of walks.
     find : callable
         Asked for the starts, and then for the ends of the legs of the labels, some at a time: in
@@ -170,7 +170,7 @@ def why_open(
     return None
 
 
-def dominates(legs: Legs, question: Question, some: Labels, others: Labels) -> Array:
+def dominates(legs: Legs, question: Question, some: ClosedLabels, others: ClosedLabels) -> Array:
     """Which labels dominate others, one by one."""
     # One with a kit more that weighs something has less left once that is gone.
     aboard = np.equal if legs.terms.cargo.heavy else np.greater_equal
@@ -185,7 +185,7 @@ def dominates(legs: Legs, question: Question, some: Labels, others: Labels) -> A
     return found
 
 
-def is_answer(legs: Legs, question: Question, labels: Labels) -> Array:
+def is_answer(legs: Legs, question: Question, labels: ClosedLabels) -> Array:
     """Which walks may end, and count as much as is asked for."""
     waited = np.maximum(labels.time - question.since, 0.0)
     value = labels.value - _less(waited * question.per_s)
@@ -201,18 +201,18 @@ def _less(product):
     return np.maximum(product.astype(np.int64) - PAID_LESS, 0)
 
 
-def ends_of(legs: Legs, question: Question, labels: Labels) -> Iterator[Labels]:
+def ends_of(legs: Legs, question: Question, labels: ClosedLabels) -> Iterator[ClosedLabels]:
     """Where the legs of labels end, as far as an answer may come of it; some at a time."""
     for begin in range(0, labels.body.size, ROWS):
         some = labels.at(np.s_[begin : begin + ROWS])
         row, pair, leg = _first_legs(legs, some)
-        onto = _arrived(legs, question, some, row, pair)
+        onto = _after(legs, question, some.at(row), pair)
         way, leg, left, value = _flown(legs, question, some, onto, row, pair, leg)
         ends = onto.at(way)._replace(time=legs.end[leg], left=left, value=value)
         yield ends.at(np.lexsort((leg, row[way])))
 
 
-def _first_legs(legs: Legs, labels: Labels) -> tuple[Array, Array, Array]:
+def _first_legs(legs: Legs, labels: ClosedLabels) -> tuple[Array, Array, Array]:
     """For labels and bodies that they may go to: row, pair, and the first leg that may be in time.
 
     A pair is origin · bodies + destination.
@@ -238,9 +238,9 @@ def _first_legs(legs: Legs, labels: Labels) -> tuple[Array, Array, Array]:
     return row, pair, leg
 
 
-def _arrived(legs: Legs, question: Question, labels: Labels, row: Array, pair: Array) -> Labels:
+def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) -> ClosedLabels:
     """Labels after legs of their pairs, but for their time, their ΔV and what these bring about."""
-    terms, counting, before = legs.terms, legs.terms.counting, labels.at(row)
+    terms, counting = legs.terms, legs.terms.counting
     i, j = np.divmod(pair, terms.bodies)
     memory = before.memory & question.neighbourhoods[:, j]
     word, bit = i // WORD, np.where(terms.is_station[i], 0, 1 << (i % WORD))
@@ -267,7 +267,7 @@ def _flown(legs, question, labels, onto, row, pair, leg):
     ----------
     legs : Legs
     question : Question
-    labels, onto : Labels
+    labels, onto : ClosedLabels
         Before a leg, and after one for each row.
     row, pair, leg : (ways,) int64
         As :func:`_first_legs` finds them.

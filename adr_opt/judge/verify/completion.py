@@ -94,7 +94,7 @@ def still(table, kits, step, body, left, came_from):
     return np.where(is_back, second, best).astype(np.int64) >> table.bits
 
 
-class Moves(NamedTuple):
+class WalkMoves(NamedTuple):
     """Legs in whole numbers, by step of departure.
 
     Attributes
@@ -122,7 +122,7 @@ def _sweep(moves, takes, image, mask, never, best, second):
 
     Parameters
     ----------
-    moves : Moves
+    moves : WalkMoves
     takes : (bodies,) int64
         Kits that a service takes.
     image : (bodies, kits + 1, slots) int64
@@ -187,7 +187,7 @@ def _mark_useful(pair, lands, cost, slots, useful):
             earliest[cost[leg] :] = np.minimum(earliest[cost[leg] :], lands[leg])
 
 
-def _moves(legs: Legs, table: Completion, cost: Array, code: Array) -> Moves:
+def _moves(legs: Legs, table: Completion, cost: Array, code: Array) -> WalkMoves:
     """The legs, without those that one of their pair leaves later to no loss."""
     leaves, lands = np.searchsorted(table.last, legs.departure), table.lands
     assert np.all(leaves < lands)  # a walk is a path forward in time
@@ -199,7 +199,7 @@ def _moves(legs: Legs, table: Completion, cost: Array, code: Array) -> Moves:
     origin, destination = np.divmod(legs.pair[order], legs.terms.bodies)
     back = np.where(legs.terms.is_station[origin], -1, origin).astype(np.int32)
     first = np.searchsorted(leaves[order], np.arange(table.last.size + 1))
-    return Moves(origin, destination, cost[order], lands[order], code[order], back, first)
+    return WalkMoves(origin, destination, cost[order], lands[order], code[order], back, first)
 
 
 def slots_in(delta_v: Any, slot: float) -> Any:

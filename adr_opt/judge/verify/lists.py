@@ -21,7 +21,7 @@ from ...common.errors import InputError
 from ...common.files import write_bytes
 from ...common.memory import available_bytes
 from ...plan.certificate import Certificate
-from .closed import Finder, Labels
+from .closed import ClosedLabels, Finder
 
 Array = npt.NDArray[Any]
 
@@ -29,18 +29,18 @@ WHOLE = ("body", "kits", "value", "worth", "counts", "memory", "odd", "row")
 """Columns of integers; the others are of times and ΔV."""
 
 
-class Listed(NamedTuple):
+class ListedLabels(NamedTuple):
     """The list of one question.
 
     Attributes
     ----------
-    labels : Labels
+    labels : ClosedLabels
     row : (ends,) int64 or None
         For the starts, and for the ends of the legs of each label, in order of legs, the row of a
         label that dominates it.
     """
 
-    labels: Labels
+    labels: ClosedLabels
     row: Array | None
 
     def find(self, search: Finder) -> Finder:
@@ -49,7 +49,7 @@ class Listed(NamedTuple):
             return search
         rows, at = self.row, 0
 
-        def told(ends: Labels) -> Array:
+        def told(ends: ClosedLabels) -> Array:
             nonlocal at
             part, at = rows[at : at + ends.body.size], at + ends.body.size
             return np.append(part, np.full(ends.body.size - part.size, -1))
@@ -66,11 +66,11 @@ class Lists:
         Those to be checked; where there are no more, they are made.
     """
 
-    def __init__(self, *listed: Listed) -> None:
+    def __init__(self, *listed: ListedLabels) -> None:
         self._given = list(listed)
-        self.checked: list[Listed] = []
+        self.checked: list[ListedLabels] = []
 
-    def next(self) -> Listed | None:
+    def next(self) -> ListedLabels | None:
         """The list of the next question, if it was given."""
         return self._given.pop(0) if self._given else None
 
@@ -120,7 +120,7 @@ def _narrow(column: Array) -> Array:
     return column.astype(kind) if kind.kind in "iu" and kind != np.uint64 else column
 
 
-def _listed(arrays: dict[str, Array], prefix: str) -> Listed:
+def _listed(arrays: dict[str, Array], prefix: str) -> ListedLabels:
     """The list of one question.
 
     Raises
@@ -128,15 +128,15 @@ def _listed(arrays: dict[str, Array], prefix: str) -> Listed:
     KeyError, ValueError
         It is none.
     """
-    columns = [arrays[prefix + name] for name in Labels._fields]
+    columns = [arrays[prefix + name] for name in ClosedLabels._fields]
     row = arrays.get(prefix + "row")
-    for name, column in zip((*Labels._fields, "row"), (*columns, row), strict=True):
+    for name, column in zip((*ClosedLabels._fields, "row"), (*columns, row), strict=True):
         if column is not None and not (
             column.dtype.kind in ("iu" if name in WHOLE else "f")
             and column.ndim == 1 + (name in ("counts", "memory", "odd"))
             and (name == "row" or column.shape[-1] == columns[0].size)
         ):
             raise ValueError(name)
-    kinds = [np.int64 if name in WHOLE else np.float64 for name in Labels._fields]
-    labels = Labels(*(each.astype(kind) for each, kind in zip(columns, kinds, strict=True)))
-    return Listed(labels, None if row is None else row.astype(np.int64))
+    kinds = [np.int64 if name in WHOLE else np.float64 for name in ClosedLabels._fields]
+    labels = ClosedLabels(*(each.astype(kind) for each, kind in zip(columns, kinds, strict=True)))
+    return ListedLabels(labels, None if row is None else row.astype(np.int64))

@@ -20,11 +20,11 @@ import numpy.typing as npt
 from ...common.errors import InputError
 from ...common.packages import load
 from .cargo import left_after
-from .closed import FINE, Labels, Question, why_open
+from .closed import FINE, ClosedLabels, Question, why_open
 from .completion import completion
 from .cuts import WORD, NumberedCut, tolls_of
 from .legs import MOST, Legs, Loss, lost_by, lost_on
-from .lists import Listed, Lists
+from .lists import ListedLabels, Lists
 
 
 class Paying(NamedTuple):
@@ -80,12 +80,12 @@ def expander() -> Any:
     raise InputError("nothing is installed that makes lists of labels; install adr-opt again")
 
 
-class Asked(NamedTuple):
+class AskedWalks(NamedTuple):
     """A question about the walks over some legs, and where they begin."""
 
     legs: Legs
     question: Question
-    starts: Labels
+    starts: ClosedLabels
 
 
 def asked(
@@ -97,7 +97,7 @@ def asked(
     cuts: tuple[NumberedCut, ...] = (),
     paying: Paying | None = None,
     losses: Sequence[Loss] = (),
-) -> Asked:
+) -> AskedWalks:
     """The question whether a walk collects ``most``.
 
     Parameters
@@ -147,15 +147,15 @@ def asked(
         worth,
         least,
     )
-    return Asked(legs, question, _starts(legs, question, losses, unit))
+    return AskedWalks(legs, question, _starts(legs, question, losses, unit))
 
 
-def walks_reach(asked: Asked, lists: Lists | None = None) -> WalkAnswer:
+def walks_reach(asked: AskedWalks, lists: Lists | None = None) -> WalkAnswer:
     """Check whether a walk collects what is asked for.
 
     Parameters
     ----------
-    asked : Asked
+    asked : AskedWalks
     lists : Lists, optional
         Where a list of closed labels may be, and is noted.
     """
@@ -165,10 +165,10 @@ def walks_reach(asked: Asked, lists: Lists | None = None) -> WalkAnswer:
         found = maker.expand(legs, question, starts)
         if found.reached:
             return WalkAnswer(True, found.made)
-        given, made = Listed(found.labels, None), found.made
+        given, made = ListedLabels(found.labels, None), found.made
     find, rows = given.find(maker.finder(legs, question, given.labels)), [np.empty(0, np.int64)]
 
-    def noted(ends: Labels) -> npt.NDArray[np.int64]:
+    def noted(ends: ClosedLabels) -> npt.NDArray[np.int64]:
         rows.append(find(ends))
         return rows[-1]
 
@@ -178,7 +178,7 @@ def walks_reach(asked: Asked, lists: Lists | None = None) -> WalkAnswer:
     return WalkAnswer(why is not None, made or given.labels.body.size, why)
 
 
-def _starts(legs: Legs, question: Question, losses: Sequence[Loss], unit: Fraction) -> Labels:
+def _starts(legs: Legs, question: Question, losses: Sequence[Loss], unit: Fraction) -> ClosedLabels:
     """The beginnings of walks.
 
     A launch onto a target has what it is worth by then.
@@ -194,7 +194,7 @@ def _starts(legs: Legs, question: Question, losses: Sequence[Loss], unit: Fracti
     # Who is launched onto a target has serviced it by then.
     left = np.where(is_launch, left_after(cargo, body, kits, left), left)
     lost = [lost_by(losses, each, float(terms.ready[each]), unit) for each in body.tolist()]
-    labels = Labels(
+    labels = ClosedLabels(
         body,
         kits - takes,
         terms.ready[body],
