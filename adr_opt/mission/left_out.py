@@ -87,9 +87,9 @@ class _Limits:
         key = tank, time, counts
         if key not in self._known:
             mission = self._mission
-            chaser = with_tank(mission.chaser, LARGEST) if tank else mission.chaser
             longer_s = LONGEST * mission.instance.mission.duration_s if time else None
             try:
+                chaser = with_tank(mission.chaser, LARGEST) if tank else mission.chaser
                 made = Relaxed(mission, chaser, longer_s, windows=not time, counts=counts)
             except InputError:  # motion that is known for the time of the mission alone
                 made = None

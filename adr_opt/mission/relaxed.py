@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ..common.constants import SLACK_M_S
+from ..common.records import LARGEST_DELTA_V_M_S, LARGEST_DURATION_S, LARGEST_MASS_KG
 from ..kernels.rules.rules import Rules
 from ..legs.connection_finder import ConnectionFinder
 from ..legs.service_limits import limits_of
@@ -33,13 +34,14 @@ def with_tank(chaser: Chaser, scale: float) -> Chaser:
     """
     tank = chaser.tank
     if isinstance(tank, TankByMass):
-        larger = tank.replace(propellant_kg=scale * tank.propellant_kg, initial_propellant_kg=None)
+        propellant_kg = min(scale * tank.propellant_kg, LARGEST_MASS_KG)
+        larger = tank.replace(propellant_kg=propellant_kg, initial_propellant_kg=None)
         if tank.spent_m_s > 0.0:
             left_m_s = larger.delta_v_m_s - tank.spent_m_s
             left_kg = tank.dry_mass_kg * math.expm1(left_m_s / tank.exhaust_m_s)
             larger = larger.replace(initial_propellant_kg=max(left_kg, 0.0))
         return chaser.replace(tank=larger)
-    full = scale * tank.delta_v_m_s
+    full = min(scale * tank.delta_v_m_s, LARGEST_DELTA_V_M_S)
     initial = full - tank.spent_m_s if tank.spent_m_s else None
     return chaser.replace(tank=Tank(delta_v_m_s=full, initial_delta_v_m_s=initial))
 
@@ -72,6 +74,7 @@ class Relaxed:
         self._mission, self._counts = mission, counts
         instance, number = mission.instance, mission.instance.chasers.index(mission.chaser)
         if duration_s is not None:
+            duration_s = min(duration_s, LARGEST_DURATION_S)
             chaser = chaser.replace(available_s=(chaser.available_s[0], None))
             instance = instance.replace(mission=instance.mission.replace(duration_s=duration_s))
         chasers = (*instance.chasers[:number], chaser, *instance.chasers[number + 1 :])

@@ -16,10 +16,12 @@ SCRIPTS = sorted((ROOT / "bench").rglob("*.py"))
 def names_in(module: str) -> set[str] | None:
     """Names that a module of the packages binds, with its submodules; None if there is none."""
     place = ROOT.joinpath(*module.split("."))
-    file = place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
+    file = place.with_suffix(".py")
+    is_room = not file.exists()  # a folder of that name may be left of an earlier version
+    file = place / "__init__.py" if is_room else file
     if not file.exists():
         return None
-    found = {each.stem for each in file.parent.iterdir()} if place.is_dir() else set()
+    found = {each.stem for each in file.parent.iterdir()} if is_room else set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             found.add(node.name)

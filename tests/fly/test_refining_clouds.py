@@ -26,7 +26,18 @@ def test_own_burns_take_what_was_planned(cli: Cli, cloud: Path) -> None:
     """Planned is within 5 % of flown in total and 15 % for a leg; 10 m and 1 cm/s are kept."""
     if not cloud.is_file():
         pytest.skip(f"no file {cloud} (ADR_OPT_EXTERNAL_DATA)")
-    made = cli("import", cloud, "--max-targets", "30", "--duration-days", "4", "--out", "my.json")
+    made = cli(
+        "import",
+        cloud,
+        "--max-targets",
+        "30",
+        "--duration-days",
+        "4",
+        "--burns",
+        "sequence",
+        "--out",
+        "my.json",
+    )
     assert made.status == 0
     instance = adr_opt.load("my.json")
     plan = solved(instance)

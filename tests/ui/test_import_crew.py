@@ -177,7 +177,6 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
         (("--tow", "900", "--disposal-altitude", "500"), "without masses"),
         (("--tow", "9", "--disposal-altitude", "500", "--kits", "3"), "takes a kit or is towed"),
         (("--disposal-altitude", "500"), "nothing is towed"),
-        ((*MASSES, "--tow", "9", "--disposal-altitude", "900"), "must be below"),
         (("--kits", "3", "--kit-mass", "3"), "without masses"),
         (("--dry-mass", "3"), "give all three"),
         ((*MASSES, "--delta-v", "3"), "--delta-v: the tank is given by its mass"),

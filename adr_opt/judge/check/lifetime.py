@@ -58,7 +58,8 @@ def outstays(instance: Instance, target: Target, towed: Towed | None, share: flo
     if most is None or (towed is None and not kit):
         return False
     apsides = apsides_of(target) if towed is None else towed.released_m
-    area = target.area_to_mass_m2_kg or ASSUMED_AREA_TO_MASS_M2_KG
+    stated = target.area_to_mass_m2_kg
+    area = ASSUMED_AREA_TO_MASS_M2_KG if stated is None else stated
     return lifetime_years(apsides, area, share * most) > share * most
 
 
