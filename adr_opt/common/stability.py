@@ -19,13 +19,14 @@ STABLE = _names("""
 """Names of ``adr_opt`` that keep their arguments and their meaning within 1.x."""
 
 PROVISIONAL = _names("""
-    adr_opt.analysis adr_opt.analysis.scenario adr_opt.common.options adr_opt.common.stop
-    adr_opt.export.flights adr_opt.export.tables adr_opt.fly.dispersion adr_opt.fly.flight
+    adr_opt.analysis adr_opt.analysis.scenario adr_opt.analysis.screening
+    adr_opt.analysis.windows adr_opt.common.options adr_opt.common.stop adr_opt.export.flights adr_opt.export.tables adr_opt.fly.dispersion adr_opt.fly.flight
     adr_opt.fly.forces adr_opt.fly.refine.ephemeris adr_opt.fly.trajectory adr_opt.kernels
     adr_opt.learning.environment adr_opt.legs.connections adr_opt.legs.families
     adr_opt.mission.certified adr_opt.mission.order_repair adr_opt.mission.problem
     adr_opt.mission.schedule adr_opt.plan.plane_drift adr_opt.problem.bodies
-    adr_opt.problem.chasers adr_opt.problem.given adr_opt.problem.given_files
+    adr_opt.problem.chasers adr_opt.problem.disposal adr_opt.problem.given
+    adr_opt.problem.given_files
     adr_opt.problem.orbit adr_opt.problem.settings adr_opt.run.methods
     adr_opt.run.reused_timetable adr_opt.sources.catalogue adr_opt.sources.ephemerides
     adr_opt.sources.generator adr_opt.sources.library adr_opt.sources.worth adr_opt.testing
