@@ -20,7 +20,8 @@ STABLE = _names("""
 
 PROVISIONAL = _names("""
     adr_opt.analysis adr_opt.analysis.scenario adr_opt.analysis.screening
-    adr_opt.analysis.windows adr_opt.common.options adr_opt.common.stop adr_opt.export.flights adr_opt.export.tables adr_opt.fly.dispersion adr_opt.fly.flight
+    adr_opt.analysis.windows adr_opt.common.options adr_opt.common.stop
+    adr_opt.export.flights adr_opt.export.tables adr_opt.fly.dispersion adr_opt.fly.flight
     adr_opt.fly.forces adr_opt.fly.refine.ephemeris adr_opt.fly.trajectory adr_opt.kernels
     adr_opt.learning.environment adr_opt.legs.connections adr_opt.legs.families
     adr_opt.mission.certified adr_opt.mission.order_repair adr_opt.mission.problem
