@@ -52,7 +52,8 @@ class _Limits:
     """
 
     def __init__(self, mission: Mission, moves: tuple[int, ...]) -> None:
-        self._mission, self._moves, self._schedules = mission, moves, mission.schedules.by_class
+        self._mission, self._moves = mission, moves
+        self._schedules = mission.schedules.by_class.unpriced
         self._known: dict[tuple[bool, bool, bool], Relaxed | None] = {}
 
     def before(self, j: int) -> Reason:

@@ -86,7 +86,8 @@ class Relaxed:
         self._rules = mission.rules._replace(closes=closes, duration=limits.duration)
         connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
         cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
-        self._schedules = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
+        made = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
+        self._schedules = made.unpriced
         self._by_scale: dict[float, Scheduler] = {}
 
     def _under(self, scale: float) -> Rules:

@@ -156,7 +156,7 @@ class Scheduler:
         )
         if connecting.lighter_classes_kg and not weighs:
             self._of_class = lru_cache(PAIRS_KEPT)(connecting.by_class)
-        self._has_lighter = False
+        self._has_lighter, self._counts_cost = False, True
         self._spent_m_s = connecting.spent_m_s
         self._by_function = connecting.by_function
         self.connections: Callable[[int, int], Connections] = lru_cache(PAIRS_KEPT)(of_pair)
@@ -192,6 +192,16 @@ class Scheduler:
         made = copy(self)
         made._has_lighter = True
         made._last = ((), 0, ())
+        return made
+
+    @property
+    def unpriced(self) -> Scheduler:
+        """A scheduler to which all costs are alike, for whether and when an order can be flown.
+
+        Its fronts are of time and ΔV alone, and far shorter.
+        """
+        made = copy(self)
+        made._counts_cost, made._last = False, ((), 0, ())
         return made
 
     def from_ready(self, i: int, j: int, ready: FloatArray) -> Connections:
@@ -319,7 +329,7 @@ class Scheduler:
             rules.closes[j],
             rules.is_station[j],
             rules.budget,
-            self._losses.falls,
+            self._losses.falls if self._counts_cost else None,
             self._caps(found, i, aboard),
         )
         front = Front(
@@ -352,6 +362,8 @@ class Scheduler:
         cost nothing, as do all of a chaser whose expense does not go by mass. A tow that follows
         is flown with the mass of the object as well.
         """
+        if not self._counts_cost:
+            return np.empty(0), np.zeros(delta_v.size)
         loads = self._rules().loads
         flown = 0.0 if loads is None else float(loads.flown[body])
         if not self._by_expense:
