@@ -86,6 +86,39 @@ class Surroundings(NamedTuple):
 
 
 @kernel
+def mark_strings(near, place, seed, length, rng, out):
+    """Mark some strings of an order, each with a target near another one.
+
+    Parameters
+    ----------
+    near : (targets, ranks) int32
+        Other targets, the nearest first.
+    place : (targets,) int64
+        Position of each target in the order; −1 if it is missing.
+    seed : int
+        The target near which they are.
+    length : int
+        Of the order.
+    rng : numpy.random.Generator
+    out : (length,) bool
+        Changed.
+    """
+    wanted = rng.integers(1, MOST_STRINGS + 1)
+    longest = rng.integers(1, LONGEST_STRING + 1)
+    for rank in range(near.shape[1]):
+        p = place[near[seed, rank]]
+        if wanted == 0:
+            break
+        if p < 0 or out[p]:
+            continue
+        size = min(rng.integers(1, longest + 1), length)
+        begin = min(max(p - rng.integers(0, size), 0), length - size)
+        for q in range(begin, begin + size):
+            out[q] = True
+        wanted -= 1
+
+
+@kernel
 def ruin(order, length, near, rng):
     """Remove strings of targets from an order.
 
@@ -105,19 +138,7 @@ def ruin(order, length, near, rng):
     seed = order[rng.integers(0, length)]
     if length < targets and rng.random() < 0.5:
         seed = order[rng.integers(length, targets)]
-    wanted = rng.integers(1, MOST_STRINGS + 1)
-    longest = rng.integers(1, LONGEST_STRING + 1)
-    for rank in range(near.shape[1]):
-        p = place[near[seed, rank]]
-        if wanted == 0:
-            break
-        if p < 0 or out[p]:
-            continue
-        size = min(rng.integers(1, longest + 1), length)
-        begin = min(max(p - rng.integers(0, size), 0), length - size)
-        for q in range(begin, begin + size):
-            out[q] = True
-        wanted -= 1
+    mark_strings(near, place, seed, length, rng, out)
     kept = np.empty(targets, np.int64)
     size, first, last, taken = 0, length, 0, 0
     for p in range(length):

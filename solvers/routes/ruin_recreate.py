@@ -23,6 +23,7 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed, write
 
+from ..orders.string_removal import LONGEST_STRING, mark_strings
 from .orders import (
     best_position,
     copy_order,
@@ -38,8 +39,6 @@ from .orders import (
 
 STRINGS, ONE_STRING, AT_RANDOM = 0.6, 0.8, 0.95
 """Cumulative shares of the ways to ruin; the rest takes out what is worth least."""
-
-MOST_STRINGS, LONGEST_STRING = 3, 6
 
 ONE_BY_ONE = 0.6
 """Share of the iterations that insert targets in an order drawn before."""
@@ -104,19 +103,7 @@ def _mark_strings(ways, order, length, near, rng, out):
     targets = nodes.size - 2 * order.visited.size
     at = rng.integers(0, targets)
     seed = near[0, at]
-    wanted = rng.integers(1, MOST_STRINGS + 1)
-    longest = rng.integers(1, LONGEST_STRING + 1)
-    for rank in range(near.shape[1]):
-        p = place[near[seed, rank]]
-        if wanted == 0:
-            break
-        if p < 0 or out[p]:
-            continue
-        size = min(rng.integers(1, longest + 1), length)
-        begin = min(max(p - rng.integers(0, size), 0), length - size)
-        for q in range(begin, begin + size):
-            out[q] = True
-        wanted -= 1
+    mark_strings(near, place, seed, length, rng, out)
 
 
 @kernel
