@@ -48,7 +48,7 @@ def random_pairs(highest_m: float, count: int, free: bool = False):
 
 
 @pytest.mark.parametrize(
-    ("highest_m", "tolerance"), [(900e3, 5e-11), (2000e3, 5e-11), (3000e3, 2e-10), (9000e3, 5e-12)]
+    ("highest_m", "tolerance"), [(900e3, 5e-11), (2000e3, 5e-11), (3000e3, 2e-10), (9000e3, 1e-12)]
 )
 @pytest.mark.parametrize("free", [False, True])
 def test_interpolation_costs_what_a_solved_sequence_costs(highest_m, tolerance, free):
@@ -76,7 +76,9 @@ def test_interpolation_costs_what_a_solved_sequence_costs(highest_m, tolerance, 
                     if delta_v < expected[t]:
                         expected[t], fewest[t] = delta_v, k
         assert cost[49] == math.inf  # beyond the size
-        np.testing.assert_allclose(cost[:49], expected[:49], rtol=0.0, atol=tolerance)
+        np.testing.assert_allclose(
+            cost[:49], expected[:49], rtol=4e-16 if free else 0.0, atol=tolerance
+        )
         np.testing.assert_array_equal(revolutions[:49], fewest[:49])
         found += int(np.isfinite(cost).sum())
     assert found > 750
