@@ -29,13 +29,11 @@ from adr_opt.mission.mission import Mission
 from ..beams.beams import TIME_VALUE_M_S_PER_H
 from ..beams.exchange_rates import worth_of
 from ..progress.halting import halted_by
+from ..routes.strings import mark_strings
 from . import bit_orders, fronts
 from .connection_table import is_varied, table_of
 from .cooling import AnnealingSchedule, temperature
 from .reach import Reach, reach_of
-
-LONGEST_STRING = 6
-MOST_STRINGS = 3
 
 HOT, COLD = 1.0, 0.03
 """First and last temperature of the annealing, in mean prizes."""
@@ -83,39 +81,6 @@ class Surroundings(NamedTuple):
     far: np.ndarray
     reach: Reach
     absent: np.ndarray
-
-
-@kernel
-def mark_strings(near, place, seed, length, rng, out):
-    """Mark some strings of an order, each with a target near another one.
-
-    Parameters
-    ----------
-    near : (targets, ranks) int32
-        Other targets, the nearest first.
-    place : (targets,) int64
-        Position of each target in the order; −1 if it is missing.
-    seed : int
-        The target near which they are.
-    length : int
-        Of the order.
-    rng : numpy.random.Generator
-    out : (length,) bool
-        Changed.
-    """
-    wanted = rng.integers(1, MOST_STRINGS + 1)
-    longest = rng.integers(1, LONGEST_STRING + 1)
-    for rank in range(near.shape[1]):
-        p = place[near[seed, rank]]
-        if wanted == 0:
-            break
-        if p < 0 or out[p]:
-            continue
-        size = min(rng.integers(1, longest + 1), length)
-        begin = min(max(p - rng.integers(0, size), 0), length - size)
-        for q in range(begin, begin + size):
-            out[q] = True
-        wanted -= 1
 
 
 @kernel

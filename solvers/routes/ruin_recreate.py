@@ -23,7 +23,6 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed, write
 
-from ..orders.string_removal import LONGEST_STRING, mark_strings
 from .orders import (
     best_position,
     copy_order,
@@ -36,6 +35,7 @@ from .orders import (
     time_back,
     time_forth,
 )
+from .strings import LONGEST_STRING, mark_strings
 
 STRINGS, ONE_STRING, AT_RANDOM = 0.6, 0.8, 0.95
 """Cumulative shares of the ways to ruin; the rest takes out what is worth least."""

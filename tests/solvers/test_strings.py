@@ -23,8 +23,9 @@ from adr_opt.problem.settings import GivenFile, MissionSettings, TransferSetting
 from solvers.orders import bit_orders, fronts, fronts_backward, single_points
 from solvers.orders.connection_table import table_of
 from solvers.orders.reach import may_fit, reach_of
-from solvers.orders.string_removal import LONGEST_STRING, MOST_STRINGS, Strings, ruin
+from solvers.orders.string_removal import Strings, ruin
 from solvers.progress.incumbent import Incumbent
+from solvers.routes.strings import LONGEST_STRING, MOST_STRINGS
 
 ENDLESS = MaxIterations(1)
 FIELD = 16
