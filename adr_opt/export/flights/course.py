@@ -111,7 +111,7 @@ class CourseLeg:
     def of(cls, number: int, leg: Leg | RefinedLeg) -> CourseLeg:
         """A leg of a plan or of a refined plan."""
         ends = leg.origin, leg.destination, leg.arrival_s, leg.end_s
-        return cls(number, *ends, leg.burns, leg.removal_burns)
+        return cls(number, *ends, leg.impulses, leg.removal_burns)
 
     @property
     def all_burns(self) -> tuple[Impulse, ...]:

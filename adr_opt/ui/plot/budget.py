@@ -201,7 +201,7 @@ def _of_chaser(instance: Instance, flown: Flown) -> Budget:
         # Free burns take less than those that are planned between circles.
         if (leg.traits.on_time_grid or aside < 0.0) and burned > 0.0:
             share = (leg.delta_v_m_s - max(aside, 0.0)) / burned
-        for burn in leg.burns[:-1]:
+        for burn in leg.impulses[:-1]:
             left -= share * burn.size_m_s
             rows.append((burn.time_s, left, number, False))
         rows.append((leg.arrival_s, after_leg, number, False))
