@@ -104,7 +104,7 @@ def has_burns(plan: Plan) -> bool:
     """Whether burns of a plan can be set against its costs: it has some, or no leg at all."""
     kinds = {leg.kind for leg in plan.legs}
     without = {GIVEN.name, LOW_THRUST.name} & kinds
-    return not without or any(leg.burns for leg in plan.legs)
+    return not without or any(leg.impulses for leg in plan.legs)
 
 
 def costs_chart(plan: Plan, refined: RefinedPlan | None = None) -> Chart:
