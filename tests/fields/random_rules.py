@@ -672,7 +672,9 @@ def rounding_mission(seed: int) -> Instance:
 def full_mission(seed: int) -> Instance:
     """Free burns, safety ellipses and tows to circles and perigees at once, by turns a campaign."""
     draw = disposing_campaign if seed % 3 == 2 else disposing_mission
-    return rounding(freely(draw(seed // 3), seed), seed)
+    instance = freely(draw(seed // 3), seed)
+    at_once = instance.transfer.replace(max_drift_s=0.0)
+    return rounding(instance.replace(transfer=at_once), seed)
 
 
 DRAWS: dict[str, Callable[[int], Instance]] = {
