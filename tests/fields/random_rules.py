@@ -673,6 +673,7 @@ def full_mission(seed: int) -> Instance:
     """Free burns, safety ellipses and tows to circles and perigees at once, by turns a campaign."""
     draw = disposing_campaign if seed % 3 == 2 else disposing_mission
     instance = freely(draw(seed // 3), seed)
+    instance = instance.with_limits(duration_s=2.0 * instance.mission.duration_s)
     at_once = instance.transfer.replace(max_drift_s=0.0)
     return rounding(instance.replace(transfer=at_once), seed)
 
