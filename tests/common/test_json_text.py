@@ -72,7 +72,7 @@ def test_a_file_of_another_kind_is_called_so(door: str, tmp_path: Path) -> None:
     """All that another kind of file lacks follows from its format, which alone is named."""
     path = tmp_path / "file.json"
     path.write_text('{"format": "adr-opt-library/1", "name": "x"}', encoding="utf-8")
-    with pytest.raises(InputError, match="; this is a file of another kind$") as told:
+    with pytest.raises(InputError, match=r"; this is a file of another kind$") as told:
         DOORS[door][1](path)
     assert 'format = "adr-opt-library/1"' in str(told.value)
 
