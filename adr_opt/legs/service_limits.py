@@ -9,7 +9,7 @@ import numpy as np
 
 from ..common.constants import SLACK_S
 from ..common.records import Window
-from ..kernels.core.windows import service_ends
+from ..kernels.core.windows import windows_of
 from ..kernels.orbits.ephemeris import EPOCH_S, revolution_at
 from ..kernels.tables.timetable_making import ServiceLimits
 from ..plan.plan import Leg
@@ -47,25 +47,21 @@ def limits_of(
     available = [_seconds(instance.available_s[number]) for number in numbers]
     begin, end = min(begin for begin, _ in available), max(end for _, end in available)
     duration = min(mission.duration_s, end) + SLACK_S
-    opens, closes = np.full(periods.size, begin), np.full(periods.size, duration)
+    opens, latest = np.full(periods.size, begin), np.full(periods.size, math.inf)
     for body, target in enumerate(instance.targets, start=first):
         opened, closed = _seconds(target.window_s)
-        opens[body], closes[body] = max(begin, opened), min(closed + SLACK_S, duration)
+        opens[body], latest[body] = max(begin, opened), closed + SLACK_S - service[body]
     for name, service_s in corrections.services_s.items():
-        body = instance.names.index(name)
-        closed = _seconds(instance.targets[body - first].window_s)[1] + SLACK_S
-        closes[body] = min(closed + service_s - service[body], duration)
-        service[body] = service_s
+        service[instance.names.index(name)] = service_s
     for body, station in enumerate(instance.stations):
         if station.max_refuellings == 0:
-            closes[body] = -math.inf
+            latest[body] = -math.inf
     for body, least_s in removal_times(instance, numbers).items():
-        time_s = least_s + corrections.stays_s.get(instance.names[body], 0.0)
-        service[body] += time_s
-        closes[body] = min(closes[body] + time_s, duration)
-    for array in (service, opens, closes):
-        array.setflags(write=False)
-    return ServiceLimits(service, opens, closes, begin, duration)
+        service[body] += least_s + corrections.stays_s.get(instance.names[body], 0.0)
+    service.setflags(write=False)
+    latest = np.minimum(latest, duration - service)
+    windows = windows_of(np.arange(periods.size), opens, latest)
+    return ServiceLimits(service, windows, begin, duration)
 
 
 def removal_times(instance: Instance, chasers: Iterable[int]) -> dict[int, float]:
@@ -85,7 +81,7 @@ def service_begins(instance: Instance, leg: Leg) -> float:
     """
     opens = {target.name: target.window_s[0] for target in instance.targets}
     opening = min(opens.get(leg.destination, 0.0), leg.end_s)
-    return float(service_ends(leg.arrival_s, opening, 0.0))
+    return max(leg.arrival_s, opening)
 
 
 def _seconds(window: Window) -> tuple[float, float]:
