@@ -76,8 +76,7 @@ class Relaxed:
             chaser = chaser.replace(available_s=(chaser.available_s[0], None))
             instance = instance.replace(mission=instance.mission.replace(duration_s=duration_s))
         if not windows:
-            opened = (t.replace(window_s=(t.window_s[0], None)) for t in instance.targets)
-            instance = instance.replace(targets=tuple(opened))
+            instance = instance.without_closings()
         chasers = (*instance.chasers[:number], chaser, *instance.chasers[number + 1 :])
         self._instance: Instance = instance.replace(chasers=chasers)
         limits = limits_of(self._instance, number)

@@ -68,9 +68,8 @@ def command(
     All conditions have to hold at once, and for the whole of a capture.
     """
     from ...analysis.windows import STATIONS, CaptureConditions, read_stations, windows_of
-    from ...analysis.windows.conditions import read_windows, windows_csv
     from ...analysis.windows.intervals import common, lasting
-    from ...common.files import write_text
+    from ...problem.capture_windows import file_of, read_windows
     from ...problem.instance import load
     from .tables import number_table
 
@@ -84,7 +83,7 @@ def command(
             raise InputError(f"--contact {name}: no such station; use one of: {', '.join(known)}")
     given: dict[str, Array] = {}
     for path in within:
-        for name, intervals in read_windows(path).items():
+        for name, intervals in read_windows(path).intervals.items():
             given[name] = common(given[name], intervals) if name in given else intervals
     conditions = CaptureConditions(
         light, sun_angle_deg, tuple(known[name] for name in contacts), mask_deg, given, margin_s
@@ -93,7 +92,7 @@ def command(
     found = {name: lasting(intervals, capture_s) for name, intervals in found.items()}
     rows = {name: _figures(intervals, instance) for name, intervals in found.items()}
     if out is not None:
-        write_text(out, windows_csv(found))
+        file_of(found).write(out)
     for name, row in rows.items():
         if not row["windows"]:
             say(f"{name!r} can never be captured, for {capture_s:g} s at a time", unless=quiet)
