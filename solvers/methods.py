@@ -8,7 +8,7 @@ from adr_opt.run.method_spec import MethodSpec, Practice
 MODEL = FIRST | MODELLED
 """What follows from the connections, and the rules of 1.0."""
 
-ON_A_TANK = MODEL | {"visits between refuellings"}
+ON_A_TANK = MODEL | {"visits between refuellings", "capture windows"}
 """What moves, labels and walks of one chaser follow; walks that do not count visits bound those
 that do."""
 

@@ -411,6 +411,7 @@ JUDGED = (
     | RELEASES
     | MODELLED
     | {"functions of time", "functions of time for several chasers", "visits between refuellings"}
+    | {"capture windows"}
 )
 """What both judges state once more, and all follow that make, hold, compare and show what planners
 are told and plan: a rule comes in here by hand, with its judges."""
