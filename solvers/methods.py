@@ -5,10 +5,10 @@ from __future__ import annotations
 from adr_opt.problem.rules import CAMPAIGNS, FIRST, MODELLED, PLAYED, RELEASES, TOURS
 from adr_opt.run.method_spec import MethodSpec, Practice
 
-MODEL = FIRST | MODELLED
+MODEL = FIRST | MODELLED | {"capture windows"}
 """What follows from the connections, and the rules of 1.0."""
 
-ON_A_TANK = MODEL | {"visits between refuellings", "capture windows"}
+ON_A_TANK = MODEL | {"visits between refuellings"}
 """What moves, labels and walks of one chaser follow; walks that do not count visits bound those
 that do."""
 

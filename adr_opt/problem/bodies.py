@@ -19,16 +19,7 @@ from pydantic import (
     model_validator,
 )
 
-from ..common.records import (
-    LARGEST_MASS_KG,
-    Count,
-    Name,
-    Record,
-    Time,
-    Window,
-    check_window,
-    without,
-)
+from ..common.records import LARGEST_MASS_KG, Count, Name, Record, Window, check_window, without
 from .capture_windows import intervals_of, joined, windows_from
 from .disposal import Disposal
 from .orbit import Decay, Fit, Orbit
@@ -194,7 +185,7 @@ class Target(Record):
     disposal: Disposal | None = None
     area_to_mass_m2_kg: Annotated[float, Field(gt=0.0, le=LARGEST_AREA_TO_MASS)] | None = None
     windows_s: Annotated[tuple[Window, ...], Field(strict=False, min_length=1)] | None = None
-    capture_s: Time | None = None
+    capture_s: Annotated[float, Field(ge=0.0)] | None = None
 
     @property
     def windows(self) -> tuple[Window, ...]:

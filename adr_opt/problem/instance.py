@@ -144,9 +144,12 @@ class Instance(Shown, InstanceFile):
         return self._given
 
     def with_windows(
-        self, windows: FileWindows | Mapping[str, Array], file: str = "windows.csv"
+        self,
+        windows: FileWindows | Mapping[str, Array],
+        file: str = "windows.csv",
+        capture_s: float | None = None,
     ) -> Self:
-        """The same instance with windows of all targets in a file.
+        """The same instance with windows of all targets in a file, in place of their own.
 
         Parameters
         ----------
@@ -154,20 +157,32 @@ class Instance(Shown, InstanceFile):
             By target [s]; one that is not named may never be captured.
         file : str
             What the file is called that :meth:`save` writes them to, beside that of the instance.
+        capture_s : float, optional
+            Of every target; by default its own [s].
 
         Raises
         ------
         InputError
-            A name is none of a target, or a target has windows of its own.
+            A name is none of a target, or captures last longer than services.
         """
         if not isinstance(windows, FileWindows):
             windows = file_of(windows)
+        free: dict[str, Any] = {"window_s": (0.0, None), "windows_s": None}
+        free |= {} if capture_s is None else {"capture_s": capture_s}
+        targets = tuple(target.replace(**free) for target in self.targets)
+        reference = WindowFile(file=file, sha256=windows.sha256)
+        return self.replace(targets=targets, windows=reference)._reading(windows)
+
+    def _reading(self, windows: FileWindows) -> Self:
+        """Take the windows that the field names."""
+        assert self.windows is not None
         strange = sorted(windows.intervals.keys() - {target.name for target in self.targets})
         if strange:
-            raise InputError(f"{file}: {strange[0]!r} is not a target of {self.name!r}")
-        made = self.replace(windows=WindowFile(file=file, sha256=windows.sha256))
-        made._windows = windows
-        return made
+            raise InputError(
+                f"{self.windows.file}: {strange[0]!r} is not a target of {self.name!r}"
+            )
+        self._windows = windows
+        return self
 
     def intervals_of(self, target: Target) -> Array:
         """Windows of a target, shape (intervals, 2), +inf where the last never closes [s].
@@ -416,7 +431,7 @@ class Instance(Shown, InstanceFile):
                     f"{beside}: not the windows that {path} names: their sha256 is "
                     f"{windows.sha256}; put the right file there, or make the instance anew"
                 )
-            instance = instance.with_windows(windows, instance.windows.file)
+            instance._reading(windows)
         reference = instance.transfer.given
         if reference is None:
             return instance

@@ -187,7 +187,8 @@ def test_choice_keeps_to_a_window(time_value):
             continue
         # Between the shortest and the longest sequence, but not where rounding decides.
         shortest, longest = min(row[1] for row in every), max(row[1] for row in every)
-        earliest, latest = rng.uniform(shortest - 1e3, longest + 1e3, 2)
+        latest = rng.uniform(shortest - 1e3, longest + 1e3)
+        earliest = rng.uniform(shortest - 1e3, latest)
         window = one_window(departure + earliest, departure + latest)
         best = sequences.best_sequence(pair, rule, departure, lead, window, 0, departure)
         costs = sorted(

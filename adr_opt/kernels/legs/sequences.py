@@ -57,11 +57,12 @@ def best_sequence(pair, rule, departure, lead, windows, body, after, most=math.i
     k_max = rule.max_phasing_revolutions
     phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
     s = math.ceil((pair.shortest * pair.rate_j - phase) / TURN_RAD)
-    last = min(pair.longest + k_max * pair.longest_lap, last_begin(windows, body) - after)
+    until = last_begin(windows, body)
+    last = min(pair.longest + k_max * pair.longest_lap, until - after)
     while True:
         time = (phase + TURN_RAD * s) / pair.rate_j
         s += 1
-        worth = w * (service_begin(windows, body, after + time) - after)
+        worth = w * (service_begin(windows, body, min(after + time, until)) - after)
         # Dearer than the best by time alone, or longer than any sequence: so is all that follows.
         if time > last or worth + pair.floor_delta_v > best_cost:
             break

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 @param.number("--capture", "S", "Time that has to fit into a window.", "capture_s", default=0.0)
 @param.flag("--ephemerides", "Go by the ephemerides beside INSTANCE.")
 @param.file("--out", "CSV file of windows to write: target,opens_s,closes_s.")
+@param.file("--into", "Instance to write that has these windows, in the file of --out beside it.")
 @param.as_json
 @param.quiet
 def command(
@@ -60,6 +62,7 @@ def command(
     capture_s: float,
     ephemerides: bool,
     out: str | None,
+    into: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -77,6 +80,9 @@ def command(
         raise InputError(f"--capture = {capture_s:g}: must be at least 0")
     instance = load(instance_path)
     check_out(out, instance_path, *within, stations)
+    check_out(into, instance_path, *within, stations)
+    if into is not None and (out is None or Path(out).parent != Path(into).parent):
+        raise InputError("--into: give --out as well, a file in the same folder")
     known = STATIONS | ({} if stations is None else read_stations(stations))
     for name in contacts:
         if name not in known:
@@ -91,12 +97,15 @@ def command(
     found = windows_of(instance, conditions, _reported(instance) if ephemerides else None)
     found = {name: lasting(intervals, capture_s) for name, intervals in found.items()}
     rows = {name: _figures(intervals, instance) for name, intervals in found.items()}
+    windows = file_of(found)
     if out is not None:
-        file_of(found).write(out)
+        windows.write(out)
+    if out is not None and into is not None:
+        instance.with_windows(windows, Path(out).name, capture_s or None).save(into)
     for name, row in rows.items():
         if not row["windows"]:
             say(f"{name!r} can never be captured, for {capture_s:g} s at a time", unless=quiet)
-    say_written(out, quiet=quiet)
+    say_written(out, into, quiet=quiet)
     if as_json:
         emit_json({"instance": instance.name, "path": out, "targets": rows})
     elif not quiet:
