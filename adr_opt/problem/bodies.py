@@ -175,6 +175,8 @@ class Target(Record):
     prize: Prize = 1.0
     required: bool = False
     window_s: Window = (0.0, None)
+    windows_s: Annotated[tuple[Window, ...], Field(strict=False, min_length=1)] | None = None
+    capture_s: Annotated[float, Field(ge=0.0)] | None = None
     mass_kg: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_KG)] | None = None
     removal: Removal = "visit"
     object_id: ObjectId | None = None
@@ -184,8 +186,6 @@ class Target(Record):
     success: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     disposal: Disposal | None = None
     area_to_mass_m2_kg: Annotated[float, Field(gt=0.0, le=LARGEST_AREA_TO_MASS)] | None = None
-    windows_s: Annotated[tuple[Window, ...], Field(strict=False, min_length=1)] | None = None
-    capture_s: Annotated[float, Field(ge=0.0)] | None = None
 
     @property
     def windows(self) -> tuple[Window, ...]:

@@ -184,6 +184,10 @@ class Instance(Shown, InstanceFile):
         self._windows = windows
         return self
 
+    def is_limited(self, target: Target) -> bool:
+        """Whether services of a target may begin at some times only."""
+        return self.windows is not None or target.windows != ((0.0, None),)
+
     def intervals_of(self, target: Target) -> Array:
         """Windows of a target, shape (intervals, 2), +inf where the last never closes [s].
 
