@@ -27,6 +27,7 @@ from ..kernels.orbits.ephemeris import EPOCH_S
 from .bodies import Target
 from .capture_windows import Array, FileWindows, WindowFile, file_of, intervals_of, read_windows
 from .chasers import availability
+from .ephemerides import EphemeridesFile
 from .format_2 import FORMAT as FORMAT
 from .given import Given, only
 from .given_files import read_named, write_given
@@ -217,8 +218,13 @@ class Instance(Shown, InstanceFile):
     @property
     def is_all_in_file(self) -> bool:
         """Whether its file alone gives it again: no others beside it, no own time value."""
-        beside = self.transfer.given, self.windows, self._time_value_m_s_per_h
-        return all(each is None for each in beside)
+        given, _, windows = self.files_beside
+        return (given, windows, self._time_value_m_s_per_h) == (None, None, None)
+
+    @property
+    def files_beside(self) -> tuple[GivenFile | None, EphemeridesFile | None, WindowFile | None]:
+        """Files beside its own that it names, of connections, ephemerides and windows."""
+        return self.transfer.given, self.ephemerides, self.windows
 
     @property
     def nodes_drift(self) -> bool:
