@@ -188,7 +188,7 @@ def ways_of(problem: Problem) -> Ways:
     starts = [instance.starts[chaser] for chaser in range(len(chasers))]
     nodes = [*range(bodies), *(n for pair in zip(starts, ends, strict=True) for n in pair)]
     body = np.array(nodes, dtype=np.int64)
-    service, windows = everybody.service[body], everybody.windows.of(body)
+    service, windows = everybody.service[body], everybody.windows.of(np.maximum(body, 0))
     for chaser, its in enumerate(limits):
         start, end = bodies + 2 * chaser, bodies + 2 * chaser + 1
         service[start] = 0.0
