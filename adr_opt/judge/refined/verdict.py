@@ -236,7 +236,7 @@ FOLLOWS = Follower(
     | TOURS
     | TOGETHER
     | RELEASES
-    | {"functions of time", "functions of time for several chasers"},
+    | {"functions of time", "functions of time for several chasers", "capture windows"},
 )
 
 
