@@ -21,7 +21,6 @@ from adr_opt.judge.verify.closed import ClosedLabels, dominates, ends_of, is_ans
 from adr_opt.judge.verify.cuts import NumberedCut
 from adr_opt.judge.verify.legs import losses_of
 from adr_opt.judge.verify.lists import ListedLabels, Lists
-from adr_opt.judge.verify.plain import plain
 from adr_opt.judge.verify.walks import AskedWalks, asked, walks_reach
 from adr_opt.problem.instance import Instance
 from solvers.labels import expand
@@ -273,20 +272,6 @@ def test_lists_that_are_not_forged_are_accepted(claims):
         assert not refused(claim.true, listed)
         assert not refused(claim.true, ListedLabels(listed.labels, None))
         assert not refused(claim.true, ListedLabels(listed.labels.at(order), None))
-
-
-def test_plain_numpy_finds_the_same(claims):
-    """Without compilation the table and the ends of legs are the same, to the last bit."""
-    claim, listed = claims[0]
-    compiled = claim.ask(claim.least), of_rows(claim, listed)
-    with plain():
-        uncompiled = claim.ask(claim.least), of_rows(claim, listed)
-        assert not refused(claim.true, listed)
-    for name in ("best", "second"):
-        tables = (getattr(each.question.table, name) for each in (compiled[0], uncompiled[0]))
-        np.testing.assert_array_equal(*tables)
-    for one, other in zip(compiled[1], uncompiled[1], strict=True):
-        np.testing.assert_array_equal(one, other)
 
 
 def test_a_file_of_labels_stands_in_for_a_search(tmp_path, monkeypatch):

@@ -28,7 +28,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...common.constants import SLACK_S
-from ...kernels.core.compile import kernel
 from .cargo import left_after
 from .completion import Array, Completion, still
 from .cuts import WORD, tolls
@@ -195,10 +194,10 @@ def is_answer(legs: Legs, question: Question, labels: ClosedLabels) -> Array:
     return ends
 
 
-@kernel
-def _less(product):
+def _less(product: Array) -> Array:
     """A payment, a little less for the rounding of products [fine units]."""
-    return np.maximum(product.astype(np.int64) - PAID_LESS, 0)
+    less: Array = np.maximum(product.astype(np.int64) - PAID_LESS, 0)
+    return less
 
 
 def ends_of(legs: Legs, question: Question, labels: ClosedLabels) -> Iterator[ClosedLabels]:
@@ -259,8 +258,15 @@ def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) ->
     )
 
 
-@kernel
-def _flown(legs, question, labels, onto, row, pair, leg):
+def _flown(
+    legs: Legs,
+    question: Question,
+    labels: ClosedLabels,
+    onto: ClosedLabels,
+    row: Array,
+    pair: Array,
+    leg: Array,
+) -> tuple[Array, ...]:
     """The legs of which an answer may come, one after the other for all pairs at once.
 
     Parameters
@@ -278,44 +284,37 @@ def _flown(legs, question, labels, onto, row, pair, leg):
     left, value : (ends,)
         After the stay.
     """
-    terms, way, dearest = legs.terms, np.arange(row.size), np.full(row.size, np.inf)
-    ways, flown, lefts, values = way[:0], way[:0], dearest[:0], way[:0]
-    bodies = terms.service.size
-    i, j = pair // bodies, pair % bodies
+    terms, way = legs.terms, np.arange(row.size)
+    i, j = np.divmod(pair, terms.bodies)
     came_from, stop = np.where(terms.is_station[i], -1, i), legs.first[pair + 1]
     since, kits, tank = labels.time[row] - SLACK_S, labels.kits[row], labels.left[row]
     is_station, full = terms.is_station[j], terms.cargo.full[kits]
-    while way.size:
-        inside = leg < stop[way]
-        way, leg, dearest = way[inside], leg[inside], dearest[inside]
-        # Not even by the cheapest of this leg and all later ones: then by none of them.
-        cheapest = legs.cheapest[leg]
-        left = left_after(terms.cargo, j[way], kits[way], tank[way] - cheapest)
-        left = np.where(is_station[way] & (left >= 0.0), full[way], left)
-        value = onto.value[way] - _less(cheapest * question.per_m_s)
-        more = _may_reach(question, onto, way, leg, j, came_from, left, value)
-        way, leg, dearest = way[more], leg[more], dearest[more]
-        cost = legs.delta_v[leg]
-        # What costs no less than an earlier end is no use.
-        flies = (legs.departure[leg] >= since[way]) & (cost < dearest) & (cost <= tank[way])
-        dearest = np.where(flies, cost, dearest)
+
+    def after(way: Array, leg: Array, cost: Array, lost: Any) -> tuple[Array, Array, Array]:
+        """What is left and collected after legs at a cost, and whether an answer may come of it."""
         left = left_after(terms.cargo, j[way], kits[way], tank[way] - cost)
         left = np.where(is_station[way] & (left >= 0.0), full[way], left)
-        value = onto.value[way] - question.lost[leg] - _less(cost * question.per_m_s)
-        good = flies & _may_reach(question, onto, way, leg, j, came_from, left, value)
-        ways, flown = np.concatenate((ways, way[good])), np.concatenate((flown, leg[good]))
-        lefts, values = np.concatenate((lefts, left[good])), np.concatenate((values, value[good]))
+        value = onto.value[way] - lost - _less(cost * question.per_m_s)
+        at = onto.kits[way], question.table.lands[leg], j[way], np.maximum(left, 0.0)
+        more = still(question.table, *at, came_from[way])
+        may = (left >= 0.0) & (value + (more << FINE) >= question.need)
+        if question.least > 0:
+            more = still(question.reach, *at, came_from[way])
+            may &= onto.worth[way] + (more << FINE) >= question.least
+        return left, value, may
+
+    dearest, found = np.full(row.size, np.inf), [(way[:0], leg[:0], tank[:0], way[:0])]
+    while way.size:
+        way, leg = way[leg < stop[way]], leg[leg < stop[way]]
+        # Not even by the cheapest of this leg and all later ones: then by none of them.
+        may = after(way, leg, legs.cheapest[leg], 0)[2]
+        way, leg = way[may], leg[may]
+        cost = legs.delta_v[leg]
+        # What costs no less than a leg that ends earlier is no use.
+        flies = (legs.departure[leg] >= since[way]) & (cost < dearest[way]) & (cost <= tank[way])
+        some, by = way[flies], leg[flies]
+        dearest[some] = cost[flies]
+        left, value, may = after(some, by, cost[flies], question.lost[by])
+        found.append((some[may], by[may], left[may], value[may]))
         leg = leg + 1
-    return ways, flown, lefts, values
-
-
-@kernel
-def _may_reach(question, onto, way, leg, j, came_from, left, value):
-    """Whether an answer may come of legs: of what they leave and all that is still to be had."""
-    at, rest = (onto.kits[way], question.table.lands[leg], j[way]), np.maximum(left, 0.0)
-    more = still(question.table, at[0], at[1], at[2], rest, came_from[way])
-    good = (left >= 0.0) & (value + (more << FINE) >= question.need)
-    if question.least > 0:
-        more = still(question.reach, at[0], at[1], at[2], rest, came_from[way])
-        good &= onto.worth[way] + (more << FINE) >= question.least
-    return good
+    return tuple(np.concatenate(column) for column in zip(*found, strict=True))

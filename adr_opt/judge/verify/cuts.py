@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ...kernels.core.compile import kernel
 from ...plan.certificate import ProvenCut
 from ...problem.instance import Instance
 
@@ -79,8 +78,7 @@ def tolls_of(cuts: tuple[NumberedCut, ...], bodies: int, unit: Fraction) -> Toll
     return Tolls(rows, memory, toll)
 
 
-@kernel
-def tolls(bits, toll):
+def tolls(bits: npt.NDArray[np.int64], toll: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     """Sums of the tolls whose bits are set, shape (labels,)."""
     total = np.zeros(bits.shape[1], np.int64)
     for cut in range(toll.size):

@@ -120,7 +120,7 @@ def asked(
     """
     table = completion(legs, gains, slot_m_s, 0.0 if paying is None else 1.0)
     # Exact sums: what is worth something is worth no less in units, and what is asked for no more.
-    unit = Fraction(table.unit) / (1 << FINE)
+    unit = table.unit / (1 << FINE)
     need = min(max(math.floor(most / unit), -(2**59)), 2**59)
     neighbours = np.zeros(((len(gains) - 1) // WORD + 1, len(gains)), dtype=np.int64)
     for i, j in np.argwhere(neighbourhoods):
@@ -130,7 +130,7 @@ def asked(
     worth, least, reach = np.zeros_like(gain), 0, table
     if paying is not None and paying.worths:
         reach = completion(legs, paying.worths, slot_m_s)
-        size = Fraction(reach.unit) / (1 << FINE)
+        size = reach.unit / (1 << FINE)
         worth[:] = [math.ceil(each / size) for each in paying.worths]
         least = min(math.floor(paying.least / size), 2**59)
     question = Question(
