@@ -119,7 +119,7 @@ def _covered(
     legs: Legs, question: Question, known: KnownLabels, labels: ClosedLabels, own: Array
 ) -> Array:
     cargo = legs.terms.cargo
-    layers, toll = cargo.full.size, question.toll
+    layers, toll = cargo.full.size, question.cuts.toll
     found: Array = _covering(layers, cargo.heavy, toll, known.first, known.labels, labels, own)
     return found
 

@@ -76,7 +76,7 @@ class Claim:
         legs, about, starts = self.ask(self.least, **changed)
         labels = expand.expand(legs, about, starts).labels
         return ListedLabels(
-            labels._replace(odd=labels.odd[: question.question.rows.shape[0]]), None
+            labels._replace(odd=labels.odd[: question.question.cuts.rows.shape[0]]), None
         )
 
     @cached_property
@@ -314,10 +314,10 @@ def test_a_label_that_is_worse_in_anything_dominates_none(claims):
         worse += [labels._replace(counts=labels.counts + 1)] if labels.counts.size else []
         for each in worse:
             assert not dominates(legs, about, each, labels).any()
-        if about.toll.size and about.toll[0] > 0:
+        if about.cuts.toll.size and about.cuts.toll[0] > 0:
             owing = labels._replace(odd=labels.odd | 1)
             assert (dominates(legs, about, owing, labels) == (labels.odd[0] & 1 == 1)).all()
-            ahead = owing._replace(value=labels.value + about.toll[0])
+            ahead = owing._replace(value=labels.value + about.cuts.toll[0])
             assert dominates(legs, about, ahead, labels).all()
             paying += 1
     assert paying > 0

@@ -30,7 +30,7 @@ import numpy as np
 from ...common.constants import SLACK_S
 from .cargo import left_after
 from .completion import Array, Completion, still
-from .cuts import WORD, tolls
+from .cuts import WORD, Tolls, tolls
 from .legs import Legs
 
 FINE = 30
@@ -95,9 +95,7 @@ class Question(NamedTuple):
         What the prize at the end of each leg has fallen by, rounded down [fine units].
     neighbourhoods : (words, bodies) int64
         What a walk that comes to a body still remembers.
-    rows, cut_memory : (cut words, bodies) int64
-        Cuts that a body is a row of, and those that are remembered there.
-    toll : (cuts,) int64
+    cuts : Tolls
         What each cut costs, rounded down [fine units].
     per_m_s, per_s : float
         What walks pay for ΔV and for the time until they end [fine units per m/s, per s].
@@ -115,9 +113,7 @@ class Question(NamedTuple):
     need: int
     lost: Array
     neighbourhoods: Array
-    rows: Array
-    cut_memory: Array
-    toll: Array
+    cuts: Tolls
     per_m_s: float
     per_s: float
     since: float
@@ -179,7 +175,7 @@ def dominates(legs: Legs, question: Question, some: ClosedLabels, others: Closed
     found &= np.all(some.counts <= others.counts, axis=0)
     found &= np.all(some.memory & ~others.memory == 0, axis=0)
     # It may have to pay at once what the other one has paid.
-    owing = tolls(some.odd & ~others.odd, question.toll)
+    owing = tolls(some.odd & ~others.odd, question.cuts.toll)
     found &= some.value - owing >= others.value
     return found
 
@@ -204,17 +200,18 @@ def ends_of(legs: Legs, question: Question, labels: ClosedLabels) -> Iterator[Cl
     """Where the legs of labels end, as far as an answer may come of it; some at a time."""
     for begin in range(0, labels.body.size, ROWS):
         some = labels.at(np.s_[begin : begin + ROWS])
-        row, pair, leg = _first_legs(legs, some)
+        row, pair, _ = ways = _first_legs(legs, some)
         onto = _after(legs, question, some.at(row), pair)
-        way, leg, left, value = _flown(legs, question, some, onto, row, pair, leg)
+        way, leg, left, value = _flown(legs, question, some, onto, ways)
         ends = onto.at(way)._replace(time=legs.end[leg], left=left, value=value)
         yield ends.at(np.lexsort((leg, row[way])))
 
 
-def _first_legs(legs: Legs, labels: ClosedLabels) -> tuple[Array, Array, Array]:
-    """For labels and bodies that they may go to: row, pair, and the first leg that may be in time.
+def _first_legs(legs: Legs, labels: ClosedLabels) -> Array:
+    """Ways of labels to where they may go, shape (3, ways).
 
-    A pair is origin · bodies + destination.
+    Row of the label, pair, and the first leg that may be in time. A pair is origin · bodies +
+    destination.
     """
     terms, found = legs.terms, [np.empty((3, 0), dtype=np.int64)]
     counting, kits = terms.counting, labels.kits
@@ -233,8 +230,7 @@ def _first_legs(legs: Legs, labels: ClosedLabels) -> tuple[Array, Array, Array]:
             since = labels.time[rows] + legs.quickest[pair] - 2.0 * SLACK_S
             leg = low + np.searchsorted(legs.end[low:high], since)
             found.append(np.stack([rows, np.full(rows.size, pair), leg]))
-    row, pair, leg = np.concatenate(found, axis=1)
-    return row, pair, leg
+    return np.concatenate(found, axis=1)
 
 
 def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) -> ClosedLabels:
@@ -245,8 +241,8 @@ def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) ->
     word, bit = i // WORD, np.where(terms.is_station[i], 0, 1 << (i % WORD))
     for number in range(memory.shape[0]):
         memory[number] |= np.where(word == number, bit, 0)
-    remembered = before.odd & question.cut_memory[:, j]
-    value = before.value + question.gain[j] - tolls(remembered & question.rows[:, j], question.toll)
+    remembered, rows = before.odd & question.cuts.memory[:, j], question.cuts.rows[:, j]
+    value = before.value + question.gain[j] - tolls(remembered & rows, question.cuts.toll)
     return before._replace(
         body=j,
         kits=before.kits - terms.cargo.takes[j],
@@ -254,36 +250,19 @@ def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) ->
         worth=before.worth + question.worth[j],
         counts=before.counts * counting.keeps[:, j] + counting.adds[:, j],
         memory=memory,
-        odd=remembered ^ question.rows[:, j],
+        odd=remembered ^ rows,
     )
 
 
 def _flown(
-    legs: Legs,
-    question: Question,
-    labels: ClosedLabels,
-    onto: ClosedLabels,
-    row: Array,
-    pair: Array,
-    leg: Array,
+    legs: Legs, question: Question, labels: ClosedLabels, onto: ClosedLabels, ways: Array
 ) -> tuple[Array, ...]:
-    """The legs of which an answer may come, one after the other for all pairs at once.
+    """The legs of which an answer may come, one after the other for all ways at once.
 
-    Parameters
-    ----------
-    legs : Legs
-    question : Question
-    labels, onto : ClosedLabels
-        Before a leg, and after one for each row.
-    row, pair, leg : (ways,) int64
-        As :func:`_first_legs` finds them.
-
-    Returns
-    -------
-    way, leg : (ends,) int64
-    left, value : (ends,)
-        After the stay.
+    Those are from ``labels`` to ``onto``, of which there is one for each. Gives for each leg its
+    way and number, and what is left and collected after the stay.
     """
+    row, pair, leg = ways
     terms, way = legs.terms, np.arange(row.size)
     i, j = np.divmod(pair, terms.bodies)
     came_from, stop = np.where(terms.is_station[i], -1, i), legs.first[pair + 1]

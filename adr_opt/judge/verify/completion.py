@@ -30,11 +30,9 @@ SLOT_SLACK = 1e-9
 SHARE = 1.0 / 60.0
 """Step length as a share of the shortest leg."""
 
-ROOM_BYTES, SHARE_OF_MEMORY = 1e9, 0.25
-"""Memory limits of the values [bytes], [1 / free memory]; slots are widened until they fit."""
-
-MOST_SLOTS = 32766
-"""Number of slots beyond which they are widened as well, as they tell nothing more."""
+ROOM_BYTES, SHARE_OF_MEMORY, MOST_SLOTS = 1e9, 0.25, 32766
+"""Limits of the values [bytes], [1 / free memory] and of slots, which are widened until they fit;
+more of them tell nothing."""
 
 BLOCK = 2**18
 """Number of values that are worked out at once, so that they stay in the cache."""
@@ -83,16 +81,8 @@ def in_units(
 ) -> tuple[Fraction, Array, int]:
     """Size of a unit, gains in units, rounded up, and the largest of them.
 
-    Parameters
-    ----------
-    gains : sequence of Fraction
-    more : Fraction
-        What a leg may give besides.
-    most_legs : int
-        Of a walk; no sum of what they give is larger than an eighth of all numbers, packed.
-    kind : dtype
-        Of packed values.
-    bits : int
+    What ``most_legs`` legs give, each a gain and ``more`` at most, packed into integers of a
+    ``kind`` is no more than an eighth of what these hold.
     """
     largest = max([Fraction(0), *gains]) + more or Fraction(1)
     room = (int(np.iinfo(kind).max) // 8 + 1) >> bits
@@ -123,24 +113,6 @@ def still(
     return best.astype(np.int64) >> table.bits
 
 
-class WalkMoves(NamedTuple):
-    """Legs in whole numbers, by step of departure, those of a step by origin.
-
-    Attributes
-    ----------
-    origin, destination, lands, cost : (moves,) int
-        Bodies, step, and slots.
-    first : (steps + 1,) int64
-        First move of each step.
-    """
-
-    origin: Array
-    destination: Array
-    lands: Array
-    cost: Array
-    first: Array
-
-
 class MoveGains(NamedTuple):
     """What moves give and take.
 
@@ -166,11 +138,12 @@ class MoveGains(NamedTuple):
     column: Array
 
 
-Part = tuple[Array, Array, Array, Array, Array]
-"""Columns of moves from one body: steps of departure, and as :class:`WalkMoves` has them."""
+Moves = tuple[Array, Array, Array, Array, Array]
+"""Legs from one body in whole numbers: step of departure, origin, destination, step of landing, and
+slots."""
 
 
-def undominated(body: int, leaves: Array, destination: Array, lands: Array, cost: Array) -> Part:
+def undominated(body: int, leaves: Array, destination: Array, lands: Array, cost: Array) -> Moves:
     """The moves from a body, without those that one of equal cost leaves later to no loss.
 
     Parameters
@@ -189,21 +162,13 @@ def undominated(body: int, leaves: Array, destination: Array, lands: Array, cost
     return leaves[order], origin, destination[order], lands[order], cost[order]
 
 
-def in_order(parts: Sequence[Part], steps: int) -> WalkMoves:
-    """The moves from all bodies, in order of departure."""
-    columns = list(map(list, zip(*parts, strict=True)))
-    leaves = np.concatenate(columns[0])
-    order = np.argsort(leaves, kind="stable")
-    first = np.append(0, np.cumsum(np.bincount(leaves, minlength=steps)))
-    return WalkMoves(*(np.concatenate(column)[order] for column in columns[1:]), first)
-
-
-def sweep(moves: WalkMoves, gains: MoveGains, bits: int, best: Array, second: Array) -> None:
+def sweep(parts: Sequence[Moves], gains: MoveGains, bits: int, best: Array, second: Array) -> None:
     """Fill the values, from the last step back to the first.
 
     Parameters
     ----------
-    moves : WalkMoves
+    parts : sequence of Moves
+        Those from every body.
     gains : MoveGains
     bits : int
     best, second
@@ -211,6 +176,11 @@ def sweep(moves: WalkMoves, gains: MoveGains, bits: int, best: Array, second: Ar
     """
     layers, steps, bodies, width = best.shape
     mask, never = best.dtype.type((1 << bits) - 1), never_of(best.dtype)
+    columns_of = list(map(list, zip(*parts, strict=True)))
+    leaves = np.concatenate(columns_of[0])
+    order = np.argsort(leaves, kind="stable")
+    first = np.searchsorted(leaves, np.arange(steps), sorter=order)
+    moves = [np.concatenate(column)[order] for column in columns_of[1:]]
     changes = np.any(gains.column != np.arange(width), axis=2)
 
     def other_than(most: Array, values: Array) -> Array:
@@ -219,8 +189,8 @@ def sweep(moves: WalkMoves, gains: MoveGains, bits: int, best: Array, second: Ar
 
     for step in range(steps - 2, -1, -1):
         best[:, step], second[:, step] = best[:, step + 1], second[:, step + 1]
-        some = slice(*moves.first[step : step + 2])
-        i, j, lands, cost = (column[some].astype(np.int64) for column in moves[:4])
+        some = slice(*first[step : step + 2])
+        i, j, lands, cost = (column[some].astype(np.int64) for column in moves)
         if not i.size:
             continue
         code = ((gains.units[j] - gains.tolls[cost] << bits) + j).astype(best.dtype)[:, None]
@@ -329,8 +299,10 @@ def completion(
         undominated(body, leaves[some], destination[some], lands[some], cost[some])
         for body, some in enumerate(map(slice, bounds[:-1], bounds[1:]))
     ]
-    back = np.where(terms.is_station, -1, np.arange(bodies))
-    column = _columns(legs, slots, slot_m_s)
+    back, column = (
+        np.where(terms.is_station, -1, np.arange(bodies)),
+        _columns(legs, slots, slot_m_s),
+    )
     gains = MoveGains(units, tolls, np.arange(slots + 1), back, cargo.takes, column)
-    sweep(in_order(parts, last.size), gains, bits, table.best, table.second)
+    sweep(parts, gains, bits, table.best, table.second)
     return table

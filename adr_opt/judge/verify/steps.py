@@ -24,17 +24,7 @@ from ...common.constants import SLACK_S
 from ...common.errors import InputError
 from ...common.memory import available_bytes
 from ...legs.connection_finder import ConnectionFinder
-from .completion import (
-    Array,
-    MoveGains,
-    costs_of,
-    in_order,
-    in_units,
-    never_of,
-    slots_in,
-    sweep,
-    undominated,
-)
+from .completion import Array, MoveGains, costs_of, in_units, never_of, slots_in, sweep, undominated
 from .terms import Terms, flown_from
 
 MOST = 2**15 - 2
@@ -120,7 +110,7 @@ def most_in_steps(
     best = np.full((1, steps + 1, bodies, width + 1), never_of(kind), dtype=kind)
     second = best.copy()
     best[0, -1, terms.may_end, 1:] = (1 << bits) - 1
-    sweep(in_order(parts, steps), given, bits, best, second)
+    sweep(parts, given, bits, best, second)
     begun, at = int(slots_in(terms.begun[-1], slot_m_s)), terms.starts
     step = np.maximum((terms.ready[at] - SLACK_S) // length_s, 0.0).astype(int)
     found = best[0, step, at, 1 + min(begun, width - 1)].astype(int) >> bits

@@ -140,7 +140,7 @@ def asked(
         need,
         lost_on(legs, losses, unit),
         neighbours,
-        *tolls_of(cuts, len(gains), unit),
+        tolls_of(cuts, len(gains), unit),
         per_m_s,
         0.0 if paying is None else per_m_s * paying.per_s,
         legs.terms.begin,
@@ -203,6 +203,6 @@ def _starts(legs: Legs, question: Question, losses: Sequence[Loss], unit: Fracti
         np.where(is_launch, question.worth[body], 0),
         np.where(is_launch, counting.adds[:, body], 0),
         np.zeros((question.neighbourhoods.shape[0], body.size), dtype=np.int64),
-        np.where(is_launch, question.rows[:, body], 0),
+        np.where(is_launch, question.cuts.rows[:, body], 0),
     )
     return labels.at(left >= 0.0)
