@@ -272,7 +272,7 @@ def _check_service(
     """
     opens, closes = bodies.windows.get(leg.destination, (0.0, None))
     at_station = leg.destination in bodies.stations
-    end = max(arrival, opens) + _service_s(instance, elements, at_station)
+    end = max(arrival, opens) + service_s(instance, elements, at_station)
     if abs(leg.end_s - end) > TIME_TOLERANCE_S:
         yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
     free = end + (towed.time_s if towed else 0.0)
@@ -288,7 +288,7 @@ def _check_service(
     return end
 
 
-def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station: bool) -> float:
+def service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station: bool) -> float:
     """Length of a chaser's stay at a body, in revolutions of the epoch [s]."""
     mission = instance.mission
     if not at_station and mission.service_s is not None:

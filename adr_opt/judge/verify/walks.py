@@ -9,7 +9,7 @@ plan is a walk, whatever the neighbourhoods, and what holds for walks holds for 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from fractions import Fraction
 from importlib.metadata import entry_points
 from typing import Any, NamedTuple
@@ -19,12 +19,16 @@ import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...common.packages import load
+from ...legs.connection_finder import ConnectionFinder
+from ...problem.chasers import Chaser
+from ...problem.instance import Instance
 from .cargo import left_after
 from .closed import FINE, ClosedLabels, Question, why_open
 from .completion import completion
 from .cuts import WORD, NumberedCut, tolls_of
-from .legs import MOST, Legs, Loss, lost_by, lost_on
+from .legs import MOST, Legs, Loss, lost_by
 from .lists import ListedLabels, Lists
+from .rules import finders_of
 
 
 class Paying(NamedTuple):
@@ -52,15 +56,48 @@ class WalkAnswer(NamedTuple):
     ----------
     reached : bool
         Whether there is a walk that collects as much.
-    labels : int
-        How many it took to know.
+    labels, legs : int
+        How many labels it took to know, or legs where walks are counted in steps.
     why : str or None
         Why a list of labels does not show that there is none.
     """
 
     reached: bool
-    labels: int
+    labels: int = 0
+    legs: int = 0
     why: str | None = None
+
+
+def refuted(
+    instance: Instance,
+    chasers: Collection[str],
+    connecting: ConnectionFinder,
+    said: str,
+    answer: Callable[[Chaser, ConnectionFinder], WalkAnswer],
+) -> tuple[int, int, str | None]:
+    """Labels and legs that it took to know of a claim on walks, and why it does not follow, if so.
+
+    Parameters
+    ----------
+    instance : Instance
+    chasers : collection of str
+        Whose walks they are.
+    connecting : ConnectionFinder
+    said : str
+        What a walk does of which the certificate says that none does; {} is the name of a chaser.
+    answer : callable
+        The answer for one of them and its connections.
+    """
+    labels, legs = 0, 0
+    for chaser, own in finders_of(instance, chasers, connecting):
+        found = answer(chaser, own)
+        labels, legs = labels + found.labels, legs + found.legs
+        if found.why is not None:
+            return labels, legs, f"the labels of {chaser.name!r} show nothing: {found.why}"
+        if found.reached:
+            walk = said.format(repr(chaser.name))
+            return labels, legs, f"{walk}, but the certificate says that none does"
+    return labels, legs, None
 
 
 EXPANDERS = "adr_opt.expanders"
@@ -138,7 +175,7 @@ def asked(
         reach,
         gain,
         need,
-        lost_on(legs, losses, unit),
+        lost_by(losses, legs.pair % legs.terms.bodies, legs.end, unit),
         neighbours,
         tolls_of(cuts, len(gains), unit),
         per_m_s,
@@ -175,7 +212,7 @@ def walks_reach(asked: AskedWalks, lists: Lists | None = None) -> WalkAnswer:
     why = why_open(legs, question, given.labels, starts, noted)
     if lists is not None:
         lists.checked.append(given._replace(row=np.concatenate(rows)))
-    return WalkAnswer(why is not None, made or given.labels.body.size, why)
+    return WalkAnswer(why is not None, made or given.labels.body.size, why=why)
 
 
 def _starts(legs: Legs, question: Question, losses: Sequence[Loss], unit: Fraction) -> ClosedLabels:
@@ -193,7 +230,7 @@ def _starts(legs: Legs, question: Question, losses: Sequence[Loss], unit: Fracti
     is_launch, left = body != terms.home, terms.begun[kits]
     # Who is launched onto a target has serviced it by then.
     left = np.where(is_launch, left_after(cargo, body, kits, left), left)
-    lost = [lost_by(losses, each, float(terms.ready[each]), unit) for each in body.tolist()]
+    lost = lost_by(losses, body, terms.ready[body], unit)
     labels = ClosedLabels(
         body,
         kits - takes,
