@@ -18,10 +18,10 @@ from verify_fields import FEW, laden, legs_for, proven, refuelling, towing_and_l
 from adr_opt.common.errors import InputError
 from adr_opt.judge.verify import verify
 from adr_opt.judge.verify.closed import ClosedLabels, dominates, ends_of, is_answer, why_open
-from adr_opt.judge.verify.cuts import NumberedCut
 from adr_opt.judge.verify.legs import losses_of
 from adr_opt.judge.verify.lists import ListedLabels, Lists
 from adr_opt.judge.verify.walks import AskedWalks, asked, walks_reach
+from adr_opt.plan.certificate import ProvenCut
 from adr_opt.problem.instance import Instance
 from solvers.labels import expand
 
@@ -36,7 +36,7 @@ class Claim:
     instance: Instance
     gains: list[Fraction]
     remembered: npt.NDArray[np.bool_]
-    cuts: tuple[NumberedCut, ...]
+    cuts: tuple[ProvenCut, ...]
 
     @classmethod
     def drawn(cls, seed: int) -> Claim:
@@ -51,11 +51,12 @@ class Claim:
         )
         gains = [worth - Fraction(float(each)) for worth, each in zip(worths, paid, strict=True)]
         remembered = rng.random((bodies, bodies)) < share
-        cuts: list[NumberedCut] = []
+        cuts: list[ProvenCut] = []
         for _ in range(int(rng.integers(0, 3)) if bodies - first > 2 else 0):
             rows = rng.choice(np.arange(first, bodies), 3, replace=False).tolist()
-            toll = Fraction(float(rng.uniform(0.2, 1.0)))
-            cuts.append(NumberedCut(tuple(rows), tuple(range(bodies)), toll))
+            names, toll = instance.names, float(rng.uniform(0.2, 1.0))
+            drawn = tuple(names[body] for body in rows)
+            cuts.append(ProvenCut(targets=drawn, memory=names, multiplier=toll))
         return cls(instance, gains, remembered, tuple(cuts))
 
     def ask(self, most: Fraction, **changed: object) -> AskedWalks:
@@ -215,10 +216,10 @@ def other_multiplier(
 
 def other_cut(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
     """The list is for cuts by which walks pay what they do not pay."""
-    toll = Fraction(float(rng.uniform(0.1, 2.0)))
+    toll, names = float(rng.uniform(0.1, 2.0)), claim.instance.names
     bodies = np.arange(claim.instance.first_target, len(claim.gains))
-    rows = tuple(rng.choice(bodies, 3, replace=False).tolist())
-    cut = NumberedCut(rows, tuple(range(len(claim.gains))), toll)
+    rows = tuple(names[body] for body in rng.choice(bodies, 3, replace=False))
+    cut = ProvenCut(targets=rows, memory=names, multiplier=toll)
     return claim.false, claim.listed(claim.false, cuts=(*claim.cuts, cut))
 
 

@@ -23,7 +23,6 @@ from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.towed import towed_bodies
 from .claim import remembered, worths_of
-from .cuts import cuts_of
 from .legs import legs_of
 from .lists import Lists
 from .walks import Paying, WalkAnswer, asked, refuted, walks_reach
@@ -124,7 +123,7 @@ def judged_cost(
                 remembered(instance, claim.walks.neighbourhoods),
                 claim.most - _spent(instance, chaser, own),
                 certificate.delta_v_slot_m_s,
-                cuts_of(instance, cost.cuts),
+                cost.cuts,
                 claim.paying,
             )
             return walks_reach(question, lists)

@@ -26,6 +26,8 @@ class Terms(NamedTuple):
 
     Attributes
     ----------
+    names : tuple of str
+        Of the bodies.
     home : int
         Where it begins.
     may_follow : (bodies, bodies) bool
@@ -49,6 +51,7 @@ class Terms(NamedTuple):
     counting : StayCounts
     """
 
+    names: tuple[str, ...]
     home: int
     may_follow: npt.NDArray[np.bool_]
     begin: float
@@ -68,7 +71,7 @@ class Terms(NamedTuple):
     @property
     def bodies(self) -> int:
         """Number of bodies."""
-        return int(self.service.size)
+        return len(self.names)
 
 
 def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> Terms:
@@ -108,6 +111,7 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
         in_time &= np.all(counting.adds <= counting.most[:, None], axis=0)
         starts = np.append(starts, np.flatnonzero(in_time))
     return Terms(
+        names,
         home,
         may_follow,
         begin,

@@ -22,7 +22,6 @@ from ..check.connections import Sampled, sample_connections
 from ..check.verdict import check
 from .claim import bound_of, difference_of, gains, remembered
 from .cost import judged_cost
-from .cuts import cuts_of
 from .legs import legs_of, losses_of
 from .lists import Lists
 from .names import check_names
@@ -197,7 +196,7 @@ def _searched(
     def answer(chaser: Chaser, own: ConnectionFinder) -> WalkAnswer:
         if length_s is None:
             legs, known = legs_of(instance, chaser, own), remembered(instance, walks.neighbourhoods)
-            cuts, losses = cuts_of(instance, certificate.cuts), losses_of(instance)
+            cuts, losses = certificate.cuts, losses_of(instance)
             return walks_reach(
                 asked(legs, worths, known, most, slot_m_s, cuts, losses=losses), lists
             )

@@ -20,12 +20,13 @@ import numpy.typing as npt
 from ...common.errors import InputError
 from ...common.packages import load
 from ...legs.connection_finder import ConnectionFinder
+from ...plan.certificate import ProvenCut
 from ...problem.chasers import Chaser
 from ...problem.instance import Instance
 from .cargo import left_after
 from .closed import FINE, ClosedLabels, Question, why_open
 from .completion import completion
-from .cuts import WORD, NumberedCut, tolls_of
+from .cuts import WORD, tolls_of
 from .legs import MOST, Legs, Loss, lost_by
 from .lists import ListedLabels, Lists
 from .rules import finders_of
@@ -131,7 +132,7 @@ def asked(
     neighbourhoods: npt.NDArray[np.bool_],
     most: Fraction,
     slot_m_s: float,
-    cuts: tuple[NumberedCut, ...] = (),
+    cuts: Sequence[ProvenCut] = (),
     paying: Paying | None = None,
     losses: Sequence[Loss] = (),
 ) -> AskedWalks:
@@ -148,7 +149,7 @@ def asked(
     slot_m_s : float
         In which ΔV is counted where labels look ahead: how many there are depends on it, and
         nothing else [m/s].
-    cuts : tuple of NumberedCut
+    cuts : sequence of ProvenCut
         What walks pay for at their second services.
     paying : Paying, optional
         Walks pay for ΔV, and count only if they are worth as much; gains are in m/s then.
@@ -177,7 +178,7 @@ def asked(
         need,
         lost_by(losses, legs.pair % legs.terms.bodies, legs.end, unit),
         neighbours,
-        tolls_of(cuts, len(gains), unit),
+        tolls_of(cuts, legs.terms.names, unit),
         per_m_s,
         0.0 if paying is None else per_m_s * paying.per_s,
         legs.terms.begin,
