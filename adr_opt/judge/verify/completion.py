@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import product
+from itertools import pairwise, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -183,10 +183,6 @@ def sweep(parts: Sequence[Moves], gains: MoveGains, bits: int, best: Array, seco
     moves = [np.concatenate(column)[order] for column in columns_of[1:]]
     changes = np.any(gains.column != np.arange(width), axis=2)
 
-    def other_than(most: Array, values: Array) -> Array:
-        """Values of walks that do not go where the best goes."""
-        return np.where((values ^ most) & mask == 0, never, values)
-
     for step in range(steps - 2, -1, -1):
         best[:, step], second[:, step] = best[:, step + 1], second[:, step + 1]
         some = slice(*first[step : step + 2])
@@ -210,9 +206,10 @@ def sweep(parts: Sequence[Moves], gains: MoveGains, bits: int, best: Array, seco
             value[rest < 0] = never
             here = np.s_[kits, step, own[:, None], columns]
             most = np.maximum(best[here], np.maximum.reduceat(value, start))
-            others = np.maximum.reduceat(other_than(most[group], value), start)
-            for values in (best[here], second[here]):
-                others = np.maximum(others, other_than(most, values))
+            value[(value ^ most[group]) & mask == 0] = never  # what goes where the best goes
+            others = np.maximum.reduceat(value, start)
+            for mine in (best[here], second[here]):
+                others = np.maximum(others, np.where((mine ^ most) & mask == 0, never, mine))
             best[here], second[here] = most, others
 
 
@@ -289,15 +286,13 @@ def completion(
     lands = np.searchsorted(last, legs.end - SLACK_S)
     best = np.full((layers, last.size + 1, bodies, slots + 1), never_of(np.int32))
     table = Completion(best, best.copy(), bits, slot_m_s, unit, last, lands)
-    unused = cargo.heavy & (np.arange(layers) > 0)
-    may_end = terms.may_end & ~unused[:, None]
+    may_end = terms.may_end & ~(cargo.heavy & (np.arange(layers) > 0))[:, None]
     best[:, -1, :, 1:] = np.where(may_end, (1 << bits) - 1, never_of(np.int32))[..., None]
     leaves = np.searchsorted(last, legs.departure)
     cost, destination = np.minimum(costs_of(legs.delta_v, slot_m_s), slots), legs.pair % bodies
-    bounds = legs.first[::bodies]
     parts = [
-        undominated(body, leaves[some], destination[some], lands[some], cost[some])
-        for body, some in enumerate(map(slice, bounds[:-1], bounds[1:]))
+        undominated(body, leaves[a:b], destination[a:b], lands[a:b], cost[a:b])
+        for body, (a, b) in enumerate(pairwise(legs.first[::bodies]))
     ]
     back, column = (
         np.where(terms.is_station, -1, np.arange(bodies)),
