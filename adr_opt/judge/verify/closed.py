@@ -190,10 +190,9 @@ def is_answer(legs: Legs, question: Question, labels: ClosedLabels) -> Array:
     return ends
 
 
-def _less(product: Array) -> Array:
+def _less(product: Array) -> Any:
     """A payment, a little less for the rounding of products [fine units]."""
-    less: Array = np.maximum(product.astype(np.int64) - PAID_LESS, 0)
-    return less
+    return np.maximum(product.astype(np.int64) - PAID_LESS, 0)
 
 
 def ends_of(legs: Legs, question: Question, labels: ClosedLabels) -> Iterator[ClosedLabels]:

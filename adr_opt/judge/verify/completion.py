@@ -3,7 +3,9 @@
 Times are counted in *steps* and ΔV in *slots*, always so that walks may do more than chasers: who
 is ready within a step may take everything that leaves in it; a leg costs its whole slots only, and
 a slot of the tank is worth all that it may hold, before a service and after it. A walk remembers
-where it comes from, and nothing else. So no walk collects more than is said here.
+where it comes from, and nothing else. So no walk collects more than is said here: from the last
+step none goes on, and what is had from an earlier one is what the best leg gives and what is said
+of the place and the later step where it ends, or what is had if nothing leaves before the next.
 """
 
 from __future__ import annotations
@@ -71,25 +73,53 @@ class Completion(NamedTuple):
     lands: Array
 
 
-def never_of(kind: Any) -> Any:
-    """Packed value of what is not possible, by the type of values."""
-    return np.dtype(kind).type(np.iinfo(kind).min // 2)
+def completion(
+    legs: Legs, gain: Sequence[Fraction], slot_m_s: float, per_m_s: float = 0.0
+) -> Completion:
+    """The table for given gains.
 
-
-def in_units(
-    gains: Sequence[Fraction], more: Fraction, most_legs: int, kind: Any, bits: int
-) -> tuple[Fraction, Array, int]:
-    """Size of a unit, gains in units, rounded up, and the largest of them.
-
-    What ``most_legs`` legs give, each a gain and ``more`` at most, packed into integers of a
-    ``kind`` is no more than an eighth of what these hold.
+    Parameters
+    ----------
+    legs : Legs
+    gain : sequence of Fraction
+        What the service of each body is worth less its multiplier.
+    slot_m_s : float
+        Least width of a slot [m/s].
+    per_m_s : float
+        What a walk pays for ΔV [worth per m/s].
     """
-    largest = max([Fraction(0), *gains]) + more or Fraction(1)
-    room = (int(np.iinfo(kind).max) // 8 + 1) >> bits
-    unit = Fraction(2.0 ** math.ceil(math.log2(largest * most_legs / room)))
-    most = math.ceil(largest / unit)
-    # To a body that takes more than any gives nobody goes who need not.
-    return unit, np.array([max(math.ceil(gain / unit), -most) for gain in gains]), most
+    terms, cargo, bodies = legs.terms, legs.terms.cargo, len(gain)
+    layers, tank = cargo.full.size, float(cargo.full[0])
+    length = max(0.0, min(SHARE * legs.shortest, legs.shortest - 4.0 * SLACK_S))
+    last = _steps(np.unique(legs.departure), length)
+    most = most_slots(8.0 * layers * (last.size + 1) * bodies)
+    while slot_m_s < tank and tank / slot_m_s > most:
+        slot_m_s *= 2.0
+    slots, bits = int(slots_in(tank, slot_m_s)) + 1, int(bodies).bit_length() + 1
+    # Each leg of a walk ends in a later step than it begins in.
+    most_legs = min(last.size + 1, int(np.ptp(last) / legs.shortest) + 2) if last.size else 1
+    unit, units, largest = in_units(gain, Fraction(0), most_legs, np.int32, bits)
+    # What costs more than anything is worth may as well cost no more than that.
+    paid = np.floor(np.arange(slots + 1) * (slot_m_s * per_m_s * (1.0 - SLOT_SLACK) / float(unit)))
+    tolls = np.minimum(paid, largest).astype(np.int64)
+    lands = np.searchsorted(last, legs.end - SLACK_S)
+    best = np.full((layers, last.size + 1, bodies, slots + 1), never_of(np.int32))
+    table = Completion(best, best.copy(), bits, slot_m_s, unit, last, lands)
+    may_end = terms.may_end & ~(cargo.heavy & (np.arange(layers) > 0))[:, None]
+    best[:, -1, :, 1:] = np.where(may_end, (1 << bits) - 1, never_of(np.int32))[..., None]
+    leaves = np.searchsorted(last, legs.departure)
+    cost, destination = np.minimum(costs_of(legs.delta_v, slot_m_s), slots), legs.pair % bodies
+    parts = [
+        undominated(body, leaves[a:b], destination[a:b], lands[a:b], cost[a:b])
+        for body, (a, b) in enumerate(pairwise(legs.first[::bodies]))
+    ]
+    back, column = (
+        np.where(terms.is_station, -1, np.arange(bodies)),
+        _columns(legs, slots, slot_m_s),
+    )
+    gains = MoveGains(units, tolls, np.arange(slots + 1), back, cargo.takes, column)
+    sweep(parts, gains, bits, table.best, table.second)
+    return table
 
 
 def still(
@@ -111,6 +141,27 @@ def still(
     back = np.flatnonzero(best & (1 << table.bits) - 1 == came_from)
     best[back] = table.second.ravel()[at[back]]
     return best.astype(np.int64) >> table.bits
+
+
+def never_of(kind: Any) -> Any:
+    """Packed value of what is not possible, by the type of values."""
+    return np.dtype(kind).type(np.iinfo(kind).min // 2)
+
+
+def in_units(
+    gains: Sequence[Fraction], more: Fraction, most_legs: int, kind: Any, bits: int
+) -> tuple[Fraction, Array, int]:
+    """Size of a unit, gains in units, rounded up, and the largest of them.
+
+    What ``most_legs`` legs give, each a gain and ``more`` at most, packed into integers of a
+    ``kind`` is no more than an eighth of what these hold.
+    """
+    largest = max([Fraction(0), *gains]) + more or Fraction(1)
+    room = (int(np.iinfo(kind).max) // 8 + 1) >> bits
+    unit = Fraction(2.0 ** math.ceil(math.log2(largest * most_legs / room)))
+    most = math.ceil(largest / unit)
+    # To a body that takes more than any gives nobody goes who need not.
+    return unit, np.array([max(math.ceil(gain / unit), -most) for gain in gains]), most
 
 
 class MoveGains(NamedTuple):
@@ -191,8 +242,7 @@ def sweep(parts: Sequence[Moves], gains: MoveGains, bits: int, best: Array, seco
             continue
         code = ((gains.units[j] - gains.tolls[cost] << bits) + j).astype(best.dtype)[:, None]
         back = gains.back[i].astype(best.dtype)[:, None]
-        own, start = np.unique(i, return_index=True)
-        group = np.repeat(np.arange(own.size), np.diff(np.append(start, i.size)))
+        own, start, group = np.unique(i, return_index=True, return_inverse=True)
         pieces = np.array_split(np.arange(1, width), 1 + i.size * width // BLOCK)
         for kits, columns in product(range(layers), pieces):
             rest, changed = kits - gains.takes[j], np.flatnonzero(changes[j, kits])
@@ -250,54 +300,3 @@ def _columns(legs: Legs, slots: int, slot: float) -> Array:
 def most_slots(slot_bytes: float) -> float:
     """How many slots of a size in memory there may be."""
     return min(MOST_SLOTS, min(ROOM_BYTES, SHARE_OF_MEMORY * available_bytes()) / slot_bytes)
-
-
-def completion(
-    legs: Legs, gain: Sequence[Fraction], slot_m_s: float, per_m_s: float = 0.0
-) -> Completion:
-    """The table for given gains.
-
-    Parameters
-    ----------
-    legs : Legs
-    gain : sequence of Fraction
-        What the service of each body is worth less its multiplier.
-    slot_m_s : float
-        Least width of a slot [m/s].
-    per_m_s : float
-        What a walk pays for ΔV [worth per m/s].
-    """
-    terms, cargo, bodies = legs.terms, legs.terms.cargo, len(gain)
-    layers, tank = cargo.full.size, float(cargo.full[0])
-    length = max(0.0, min(SHARE * legs.shortest, legs.shortest - 4.0 * SLACK_S))
-    last = _steps(np.unique(legs.departure), length)
-    most = most_slots(8.0 * layers * (last.size + 1) * bodies)
-    while slot_m_s < tank and tank / slot_m_s > most:
-        slot_m_s *= 2.0
-    slots, bits = int(slots_in(tank, slot_m_s)) + 1, int(bodies).bit_length() + 1
-    # Each leg of a walk ends in a later step than it begins in.
-    most_legs = last.size + 1
-    if legs.shortest < math.inf:
-        most_legs = min(most_legs, int((last[-1] - last[0]) / legs.shortest) + 2)
-    unit, units, largest = in_units(gain, Fraction(0), most_legs, np.int32, bits)
-    # What costs more than anything is worth may as well cost no more than that.
-    paid = np.floor(np.arange(slots + 1) * (slot_m_s * per_m_s * (1.0 - SLOT_SLACK) / float(unit)))
-    tolls = np.minimum(paid, largest).astype(np.int64)
-    lands = np.searchsorted(last, legs.end - SLACK_S)
-    best = np.full((layers, last.size + 1, bodies, slots + 1), never_of(np.int32))
-    table = Completion(best, best.copy(), bits, slot_m_s, unit, last, lands)
-    may_end = terms.may_end & ~(cargo.heavy & (np.arange(layers) > 0))[:, None]
-    best[:, -1, :, 1:] = np.where(may_end, (1 << bits) - 1, never_of(np.int32))[..., None]
-    leaves = np.searchsorted(last, legs.departure)
-    cost, destination = np.minimum(costs_of(legs.delta_v, slot_m_s), slots), legs.pair % bodies
-    parts = [
-        undominated(body, leaves[a:b], destination[a:b], lands[a:b], cost[a:b])
-        for body, (a, b) in enumerate(pairwise(legs.first[::bodies]))
-    ]
-    back, column = (
-        np.where(terms.is_station, -1, np.arange(bodies)),
-        _columns(legs, slots, slot_m_s),
-    )
-    gains = MoveGains(units, tolls, np.arange(slots + 1), back, cargo.takes, column)
-    sweep(parts, gains, bits, table.best, table.second)
-    return table
