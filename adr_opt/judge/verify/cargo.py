@@ -13,7 +13,7 @@ So more ΔV before a service means more after it, among chasers with equal kits.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -61,7 +61,7 @@ the slack of the model [m/s]."""
 
 
 def left_after(
-    cargo: Cargo, body: npt.NDArray[np.int64], kits: npt.NDArray[np.int64], left: FloatArray
+    cargo: Cargo, body: npt.NDArray[np.int64], kits: npt.NDArray[np.int64], left: npt.NDArray[Any]
 ) -> FloatArray:
     """ΔV left after services begun with a number of kits, rounded up; negative if infeasible.
 

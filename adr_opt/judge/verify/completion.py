@@ -124,7 +124,7 @@ def completion(
 
 def still(
     table: Completion, kits: Array, step: Array, body: Array, left: Array, came_from: Array
-) -> Array:
+) -> Any:
     """Units still to be had by walks that do not go straight back to where they come from.
 
     Parameters

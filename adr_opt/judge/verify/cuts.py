@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -50,7 +50,7 @@ def tolls_of(cuts: Sequence[ProvenCut], names: Sequence[str], unit: Fraction) ->
     return Tolls(rows, memory, toll)
 
 
-def tolls(bits: npt.NDArray[np.int64], toll: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+def tolls(bits: npt.NDArray[Any], toll: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     """Sums of the tolls whose bits are set, shape (labels,)."""
     total = np.zeros(bits.shape[1], np.int64)
     for cut in range(toll.size):
