@@ -110,7 +110,7 @@ def judged_cost(
     ]
     if not cost.walks and cost.bound > 0.0:  # nothing costs less than nothing
         paying = Paying(instance.time_m_s_per_s, worths_of(instance, certificate), least)
-        names = [chaser.name for chaser in instance.chasers]
+        names = tuple(chaser.name for chaser in instance.chasers)
         walks = ProvenWalks(chasers=names, most=0.0, neighbourhoods=cost.neighbourhoods)
         said = f"a walk that is worth enough may cost less than {cost.bound:g} m/s"
         claims = [_Claim(walks, worth - Fraction(cost.bound), paying, said)]
@@ -128,10 +128,10 @@ def judged_cost(
             )
             return walks_reach(question, lists)
 
-        made, _, why = refuted(instance, claim.walks.chasers, connecting, claim.said, answer)
+        made, _, reason = refuted(instance, claim.walks.chasers, connecting, claim.said, answer)
         labels += made
-        if why is not None:
-            return CostVerdict(None, labels, (why,))
+        if reason is not None:
+            return CostVerdict(None, labels, (reason,))
     return CostVerdict(cost.bound, labels, tuple(_compared(plan, cost)))
 
 
