@@ -34,7 +34,7 @@ from .cuts import WORD, Tolls, tolls
 from .legs import Legs
 
 FINE = 30
-"""Extra bits of precision of collected amounts over those of the table."""
+"""Collected amounts are in *fine units*, of which 2**FINE are a unit of the table."""
 
 MOST = 2**60
 """Largest amount in a list, so that no sum is too large for an integer [fine units]."""

@@ -250,7 +250,7 @@ def sweep(parts: Sequence[Moves], gains: MoveGains, bits: int, best: Array, seco
             at[changed] = gains.column[j[changed, None], kits, at[changed]]
             at += (((np.maximum(rest, 0) * steps + lands) * bodies + j) * width)[:, None]
             value = best.ravel().take(at)
-            again = np.flatnonzero(value & mask == back)
+            again = np.flatnonzero(value & mask == back)  # would go straight back
             value.ravel()[again] = second.ravel().take(at.ravel()[again])
             value = (value & ~mask) + code
             value[rest < 0] = never
