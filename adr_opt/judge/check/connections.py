@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...common.constants import SLACK_S
 from ...kernels.legs import burns as burn_kernels
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.connections import Connections
@@ -24,7 +25,7 @@ from ...problem.instance import Instance
 from .altitude import Heights
 from .leg import Physics, check_transfer
 from .lifetime import NEAR, outstays
-from .routes import service_s
+from .routes import begin_of, service_s
 from .sequences import ways_after
 from .tow import may_end_far
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
@@ -191,7 +192,9 @@ def _is_barred(instance: Instance, physics: Physics, way: Way, i: int, j: int) -
         target = instance.targets[j - instance.first_target]
         if outstays(instance, target, physics.towed.get(target.name), NEAR):
             return True
-        begins = max(begins, target.window_s[0])
+        stay = service_s(instance, physics.elements[j], at_station)
+        capture = stay if target.capture_s is None else target.capture_s
+        begins = begin_of(instance.intervals_of(target), begins, capture - SLACK_S)
     ends = [(i, way.departure), (j, begins + service_s(instance, physics.elements[j], at_station))]
     for body, time_s in ends:
         name = instance.names[body]
