@@ -30,7 +30,7 @@ from .legs import Legs
 Array = npt.NDArray[Any]
 
 SLOT_SLACK, SHARE = 1e-9, 1.0 / 60.0
-"""Rounding guard of slots in favour of walks [slots]; step length as a share of the shortest leg."""
+"""Rounding guard of slots in favour of walks [slots]; step length as a share of the least leg."""
 
 ROOM_BYTES, SHARE_OF_MEMORY, MOST_SLOTS = 1e9, 0.25, 32766
 """Limits of the values [bytes], [1 / free memory] and of slots, which are widened until they fit;
