@@ -6,6 +6,7 @@ python bench/rehearsals.py robust --count 5 --limit 60
 python bench/rehearsals.py charges --count 5000
 python bench/rehearsals.py campaign CATALOGUE --limit 60 --replanned 20 --worlds 5
 python bench/rehearsals.py replan --seeds 0 1 2 --days 2 3 4
+python bench/rehearsals.py paired --fields 3 --worlds 10
 """
 
 from __future__ import annotations
@@ -339,5 +340,67 @@ def replan(
         )
 
 
+PAIRED = {
+    "captures": Uncertainty(capture={"success": 0.8, "tries": 2}),
+    "dear": Uncertainty(legs={"delta_v_factor": {"lognormal_sigma": 0.2}}),
+    "both": Uncertainty(
+        capture={"success": 0.8, "tries": 2}, legs={"delta_v_factor": {"lognormal_sigma": 0.2}}
+    ),
+}
+"""Scenarios in which replanning is compared with following."""
+
+
+def paired(
+    families: tuple[str, ...] = ("nominal", "reduced-time", "reduced-fuel", "campaign"),
+    scenarios: tuple[str, ...] = tuple(PAIRED),
+    policy: str = "replan",
+    fields: int = 3,
+    first_field: int = 500,
+    worlds: int = 10,
+    first_world: int = 0,
+    limit: float = 10.0,
+) -> None:
+    """What a policy collects beyond ``follow``, in the same worlds, from the same plan of ``auto``.
+
+    Prizes are without the luck of captures; *p* is that of a paired test, two-sided, by the normal
+    distribution. Limits count processor time.
+    """
+    count_processor_time()
+    head("family", "scenario", "rehearsals", "`follow`", f"`{policy}`", "more", "p", "s each")
+    plans = {
+        (family, seed): (instance, adr_opt.solve(instance, time_limit=limit).plan)
+        for family in families
+        for seed in range(first_field, first_field + fields)
+        for instance in (adr_opt.generate(family, seed),)
+    }
+    for family, name in ((family, name) for family in families for name in scenarios):
+        found: dict[str, list[float]] = {"follow": [], policy: []}
+        took_s = 0.0
+        for seed in range(first_field, first_field + fields):
+            instance, plan = plans[family, seed]
+            assert plan is not None
+            for each, prizes in found.items():
+                flown = rehearse(
+                    instance,
+                    plan,
+                    PAIRED[name],
+                    policy=each,
+                    samples=worlds,
+                    seed=first_world + 1000 * seed,
+                )
+                prizes += [outcome.expected for outcome in flown.outcomes]
+                took_s += flown.runtime_s * (each == policy)
+        more = np.array(found[policy]) - np.array(found["follow"])
+        error = float(more.std(ddof=1)) / math.sqrt(more.size)
+        p = math.erfc(abs(float(more.mean())) / error / math.sqrt(2.0)) if error > 0.0 else 1.0
+        row(
+            *(family, name, more.size),
+            *(f"{mean(prizes):.2f}" for prizes in found.values()),
+            f"{more.mean():+.2f} ± {error:.2f}",
+            f"{p:.2g}",
+            f"{took_s / more.size:.2f}",
+        )
+
+
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, speed, scenarios, robust, charges, campaign, replan))
+    sys.exit(experiment(__doc__, speed, scenarios, robust, charges, campaign, replan, paired))
