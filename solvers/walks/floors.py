@@ -13,14 +13,30 @@ of ΔV with τ t_s ≥ λ b,
 
     Σ prize_j x_j ≤ τ T + λ B + Σ max(0, prize_j − τ t_j − λ c_j) ,
 
-and the best τ for a λ is where a knapsack filled in order of worth per time is full. No table of
-pairs is looked at, but for costs that are given.
+and the best τ for a λ is where a knapsack filled in order of worth per time is full. The same holds
+of each chaser alone, and where prizes have a step each of these bounds is rounded down to one
+before they are added up. No table of pairs is looked at, but for costs that are given.
+
+Where a service changes masses, what is left is no sum of ΔV. Let m be the mass of the chaser
+without kits, c = g₀ Isp, and x_j the least ΔV of a leg to j, with the kit of mass k that it takes,
+after which j, of mass D, is towed by burns of t, and burns of b lead back. By the rocket equation
+backwards a chaser that is left with m had
+
+    f_j(m) = α_j m + β_j ,    α_j = exp((x_j + t + b) / c) ,
+    β_j = D (exp(t / c) − 1) exp(x_j / c) + k (exp(x_j / c) − 1)
+
+or more before it. With any ballast s ≥ 0, φ(m) = c ln((m + s) / (m_dry + s)) rises with m, so that
+c_j = min φ(f_j(m)) − φ(m) over the masses of a chaser, and B = φ of the largest of them, keep to
+the second sum. That difference rises or falls with m all the way, and so is least at an end.
+Without ballast it is what legs take of ΔV; with s = β_j / (α_j − 1) the same at every mass, so that
+tows lose nothing; and with ever more the least propellant, at the least mass.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -35,7 +51,8 @@ from adr_opt.kernels.orbits.ephemeris import EPOCH_S, inclination_at, planes_dri
 from adr_opt.legs.families.registry import registered_of
 from adr_opt.mission.evidence import Evidence, Floors
 from adr_opt.mission.mission import Mission
-from adr_opt.mission.problem import Problem
+from adr_opt.mission.problem import Problem, problem_of
+from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.instance import Instance
 
 PRICES = 200
@@ -46,6 +63,9 @@ SLOT_M_S = 20.0
 
 GUARD = 1e-9
 """Relative reduction of floors for rounding."""
+
+MUCH = 1e3
+"""Largest ballast, as a multiple of the mass of an empty chaser."""
 
 ROUNDING = 1e-12
 """Increase of a turn's cosine for rounding: near 1 the guard does not cover it."""
@@ -66,6 +86,7 @@ class Sack(NamedTuple):
     ----------
     prize, took, cost : (bodies,) float64
         Worths, 0 where a body cannot be serviced; least times [s] and least ΔV [m/s], +inf there.
+        ΔV here and below is with the ballast.
     time_s : float
         Of the mission [s].
     budget, tank : float
@@ -83,58 +104,116 @@ class Sack(NamedTuple):
     stop_s: float
 
 
-def floor_bound(problem: Problem) -> float:
-    """Upper bound on plans of a mission or a campaign.
+def floor_evidence(problem: Mission | Problem) -> tuple[float, Evidence]:
+    """Upper bound on plans of a mission or a campaign, with its evidence.
 
-    Returns
-    -------
-    float
-        In worths, as :attr:`adr_opt.kernels.rules.rules.Rules.prize` has them.
+    In worths, as :attr:`adr_opt.kernels.rules.rules.Rules.prize` has them.
     """
-    return _priced(problem.missions).most
+    problem = problem_of(problem)
+    distinct = {id(mission): mission for mission in problem.missions}
+    number = [sum(id(each) == key for each in problem.missions) for key in distinct]
+    least = Floors(0.0, 0.0, math.inf)
+    for ballast_kg in sorted(set(chain.from_iterable(map(_ballasts, distinct.values())))):
+        sacks = [sack_of(mission, ballast_kg) for mission in distinct.values()]
+        most, per_s, per_m_s = knapsack(_together(sacks, number))
+        found = [Floors(per_s, per_m_s, most, ballast_kg)]
+        if len(problem.missions) > 1 and problem.prize_step:
+            for sack in sacks:
+                _, per_s, per_m_s = knapsack(sack)
+                parts = [problem.rounded_down(worth_at(each, per_s, per_m_s)) for each in sacks]
+                most = math.fsum(np.multiply(number, parts))
+                found.append(Floors(per_s, per_m_s, most, ballast_kg, alone=True))
+        least = min(least, *found, key=lambda each: each.most)
+    return least.most, Evidence(np.zeros(len(problem.names)), (), SLOT_M_S, least)
 
 
-def floor_evidence(mission: Mission) -> tuple[float, Evidence]:
-    """Upper bound of a mission, with its evidence."""
-    most, per_s, per_m_s = _priced((mission,))
-    bodies = len(mission.names)
-    return most, Evidence(np.zeros(bodies), (), SLOT_M_S, Floors(per_s, per_m_s, most))
-
-
-def _priced(missions: Sequence[Mission]) -> Priced:
-    distinct = {id(mission): mission for mission in missions}
-    sacks = {key: sack_of(mission) for key, mission in distinct.items()}
-    every = [sacks[id(mission)] for mission in missions]
-    return knapsack(
-        Sack(
-            prize=np.max([sack.prize for sack in every], axis=0),
-            took=np.min([sack.took for sack in every], axis=0),
-            cost=np.min([sack.cost for sack in every], axis=0),
-            time_s=math.fsum(sack.time_s for sack in every),
-            budget=math.fsum(sack.budget for sack in every),
-            tank=max(sack.tank for sack in every),
-            stop_s=min(sack.stop_s for sack in every),
-        )
+def _together(sacks: Sequence[Sack], number: Sequence[int]) -> Sack:
+    """One knapsack of all chasers, of which there are so many of each kind."""
+    return Sack(
+        prize=np.max([sack.prize for sack in sacks], axis=0),
+        took=np.min([sack.took for sack in sacks], axis=0),
+        cost=np.min([sack.cost for sack in sacks], axis=0),
+        time_s=math.fsum(n * sack.time_s for n, sack in zip(number, sacks, strict=True)),
+        budget=math.fsum(n * sack.budget for n, sack in zip(number, sacks, strict=True)),
+        tank=max(sack.tank for sack in sacks),
+        stop_s=min(sack.stop_s for sack in sacks),
     )
 
 
-def sack_of(mission: Mission) -> Sack:
+def sack_of(mission: Mission, ballast_kg: float = 0.0) -> Sack:
     """Knapsack of one chaser."""
     rules = mission.rules
     least_s, least_m_s = floors(mission)
+    uses = _uses(mission, least_m_s, ballast_kg)
     possible = (rules.opens + rules.service <= rules.closes) & np.isfinite(least_s)
-    possible &= least_m_s <= rules.budget
+    possible &= uses.cost <= uses.budget
     possible[: rules.first_target] = False
-    took, cost = (np.where(possible, least, math.inf) for least in (least_s, least_m_s))
+    took, cost = (np.where(possible, least, math.inf) for least in (least_s, uses.cost))
     # A ready chaser takes departures a slack before, once a leg.
-    time_s, budget = max(0.0, rules.duration - rules.ready), rules.budget
+    time_s, budget = max(0.0, rules.duration - rules.ready), uses.budget
     if rules.start in mission.instance.launches:
         # A launch takes no time and no ΔV.
         time_s += float(took[possible].max(initial=0.0))
-        budget += float(cost[possible].max(initial=0.0))
+        budget += float((uses.cost - uses.of_service)[possible].max(initial=0.0))
     stop_s = float(least_s[: rules.stations].min(initial=math.inf))
     prize = np.where(possible, rules.prize, 0.0)
-    return Sack(prize, took, cost, time_s, budget, rules.budget, stop_s)
+    return Sack(prize, took, cost, time_s, budget, uses.budget, stop_s)
+
+
+class _Uses(NamedTuple):
+    """What services take of a tank at least, of a full tank, all with some ballast [m/s].
+
+    Attributes
+    ----------
+    cost, of_service : (bodies,) float64
+        With the leg to a body, and without it.
+    budget : float
+    """
+
+    cost: np.ndarray
+    of_service: np.ndarray
+    budget: float
+
+
+def _uses(mission: Mission, least_m_s: np.ndarray, ballast_kg: float) -> _Uses:
+    loads, chaser, nothing = mission.rules.loads, mission.chaser, np.zeros_like(least_m_s)
+    if loads is None or not isinstance(chaser.tank, TankByMass):
+        return _Uses(least_m_s, nothing, mission.rules.budget)
+    exhaust, dry = loads.exhaust, chaser.tank.dry_mass_kg
+    kits_kg = chaser.kit_mass_kg * np.arange(loads.full.size)
+    most = float(np.max((dry + kits_kg) * np.exp(loads.full / exhaust) - kits_kg))
+
+    def used(leg_m_s: np.ndarray) -> np.ndarray:
+        rise, more = _backwards(mission, leg_m_s)
+        last = np.maximum((most - more) / rise, dry)  # with no more it would have been too heavy
+        ends = [np.log((rise * m + more + ballast_kg) / (m + ballast_kg)) for m in (dry, last)]
+        cost: np.ndarray = np.where(rise * dry + more > most, math.inf, exhaust * np.minimum(*ends))
+        return (1.0 - GUARD) * cost
+
+    full = exhaust * math.log((most + ballast_kg) / (dry + ballast_kg))
+    return _Uses(used(least_m_s), used(nothing), full)
+
+
+def _backwards(mission: Mission, leg_m_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """α and β [kg] of each body, with legs of some ΔV."""
+    loads, chaser = mission.rules.loads, mission.chaser
+    assert loads is not None
+    assert isinstance(chaser.tank, TankByMass)
+    tows, grows = loads.takes == 0, np.exp(leg_m_s / loads.exhaust)
+    kept = np.where(tows, loads.scale[:, 0], 1.0)
+    lost_kg = np.where(tows, loads.loss[:, 0] * chaser.tank.dry_mass_kg, 0.0)
+    kit_kg = np.where(tows, 0.0, chaser.kit_mass_kg)
+    return grows / kept, lost_kg / kept * grows + kit_kg * (grows - 1.0)
+
+
+def _ballasts(mission: Mission) -> tuple[float, ...]:
+    """Ballasts that are tried [kg]: of the middle of all bodies, and much, among them."""
+    if mission.rules.loads is None or not isinstance(mission.chaser.tank, TankByMass):
+        return (0.0,)
+    rise, more = _backwards(mission, floors(mission)[1])
+    level = (more / np.maximum(rise - 1.0, GUARD))[more > 0.0]
+    some = np.quantile(level, (0.0, 0.5, 1.0)).tolist() if level.size else []
+    return (0.0, *some, MUCH * mission.chaser.tank.dry_mass_kg)
 
 
 def knapsack(sack: Sack) -> Priced:
@@ -156,10 +235,19 @@ def knapsack(sack: Sack) -> Priced:
         per_s = float((rest / took)[order[full]]) if full < order.size else 0.0
         if math.isfinite(sack.stop_s):
             per_s = max(per_s, price * sack.tank / max(sack.stop_s, GUARD))
-        value = per_s * sack.time_s + price * sack.budget
-        value += float(np.maximum(0.0, rest - per_s * took).sum())
-        least = min(least, Priced(value * (1.0 + GUARD), per_s, float(price)))
+        least = min(least, Priced(worth_at(sack, per_s, float(price)), per_s, float(price)))
     return least
+
+
+def worth_at(sack: Sack, per_s: float, per_m_s: float) -> float:
+    """The bound at prices of time and of ΔV, of which the first is raised where it is too low."""
+    if math.isfinite(sack.stop_s):
+        per_s = max(per_s, per_m_s * sack.tank / max(sack.stop_s, GUARD))
+    some = sack.prize > 0.0
+    prize, took, cost = sack.prize[some], sack.took[some], sack.cost[some]
+    over = np.maximum(0.0, prize - per_m_s * cost - per_s * np.maximum(took, GUARD))
+    value = per_s * sack.time_s + per_m_s * sack.budget + float(over.sum())
+    return value * (1.0 + GUARD)
 
 
 def floors(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
@@ -179,8 +267,8 @@ def floors(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
             of_family_s, of_family_m_s = family.least(instance)
             least_s = np.minimum(least_s, of_family_s + rules.service)
             least_m_s = np.minimum(least_m_s, of_family_m_s)
-    if rules.loads is not None or mission.connecting.corrections:
-        least_m_s = np.zeros_like(least_m_s)  # a service changes what is left, or costs are others
+    if mission.connecting.corrections:
+        least_m_s = np.zeros_like(least_m_s)  # costs are others
     return (
         np.maximum(0.0, (1.0 - GUARD) * least_s - 2.0 * SLACK_S),
         np.maximum(0.0, (1.0 - GUARD) * least_m_s),
@@ -238,11 +326,37 @@ def _of_model(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
     if drifts:
         if settings.max_drift_s > 0.0:
             flown = np.minimum(flown, settings.drift_step_s)
-        return flown + service, np.zeros_like(flown)
+        return flown + service, _climbs(mission)
     cubes = elements.radii(arriving, EPOCH_S) ** 3
     approach = rule.approach_length * np.sqrt(MU_M3_S2 / cubes)
     slowest = np.sqrt(2.0 * MU_M3_S2 * radii / (rule.max_radius * (rule.max_radius + radii)))
     return flown + service, approach + _turns(_normals(leaving), _normals(arriving), slowest)
+
+
+def _climbs(mission: Mission) -> np.ndarray:
+    """Least ΔV from the nearest altitude where planes drift, shape (bodies,) [m/s].
+
+    Arcs of thrust and drifts are priced by the difference of circular speeds or more, sequences by
+    what two burns take between both circles or more.
+    """
+    leaving, arriving = mission.transfer_inputs[:2]
+    if mission.instance.transfer.burns != "sequence":
+        return np.zeros(len(arriving))
+    r, q = np.meshgrid(elements.radii(leaving, EPOCH_S), elements.radii(arriving, EPOCH_S))
+    climb = np.abs(np.sqrt(MU_M3_S2 / r) - np.sqrt(MU_M3_S2 / q))
+    if mission.chaser.thrust_n is None:
+        half = np.sqrt(2.0 / (r + q))
+        burns = [
+            np.abs(np.sqrt(MU_M3_S2 / a) * (half * np.sqrt(b) - 1.0)) for a, b in ((r, q), (q, r))
+        ]
+        climb = np.minimum(climb, burns[0] + burns[1])
+    np.fill_diagonal(climb, math.inf)
+    others = np.arange(len(mission.instance.stations), mission.instance.first_target)
+    if not mission.chaser.is_launched:
+        others = others[others != mission.rules.start]
+    climb[:, others] = math.inf  # nobody leaves from there
+    least: np.ndarray = climb.min(axis=1, initial=math.inf)
+    return np.where(np.isfinite(least), least, 0.0)
 
 
 def _normals(bodies: np.ndarray) -> np.ndarray:
