@@ -64,6 +64,9 @@ SLOT_M_S = 20.0
 GUARD = 1e-9
 """Relative reduction of floors for rounding."""
 
+OVER = 5e-7
+"""Relative increase of bounds: other code comes to the same ones within less."""
+
 MUCH = 1e3
 """Largest ballast, as a multiple of the mass of an empty chaser."""
 
@@ -154,7 +157,7 @@ def sack_of(mission: Mission, ballast_kg: float = 0.0) -> Sack:
     if rules.start in mission.instance.launches:
         # A launch takes no time and no ΔV.
         time_s += float(took[possible].max(initial=0.0))
-        budget += float((uses.cost - uses.of_service)[possible].max(initial=0.0))
+        budget += float((uses.cost[possible] - uses.of_service[possible]).max(initial=0.0))
     stop_s = float(least_s[: rules.stations].min(initial=math.inf))
     prize = np.where(possible, rules.prize, 0.0)
     return Sack(prize, took, cost, time_s, budget, uses.budget, stop_s)
@@ -247,7 +250,7 @@ def worth_at(sack: Sack, per_s: float, per_m_s: float) -> float:
     prize, took, cost = sack.prize[some], sack.took[some], sack.cost[some]
     over = np.maximum(0.0, prize - per_m_s * cost - per_s * np.maximum(took, GUARD))
     value = per_s * sack.time_s + per_m_s * sack.budget + float(over.sum())
-    return value * (1.0 + GUARD)
+    return value * (1.0 + OVER)
 
 
 def floors(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
