@@ -7,14 +7,14 @@ not the worlds' (docs/model.md section 13.5).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
-from .flight import Situation, flown_on
+from .flight import FlownMission, Situation, flown_on, rehearsed
 from .intended import Intended, PlannedHop
 from .mission_facts import MissionFacts
 from .planned_order import Follow
@@ -60,13 +60,34 @@ class Outlook:
             Without the luck of captures; and more than all prizes where all that is still required
             is serviced.
         """
-        required = self._facts.required - now.closed
         intended = Intended(None, tuple(map(tuple, routes)), ())
+        required = self._facts.required - now.closed
+        return self._each(worlds, intended, required, lambda *of: flown_on(now, *of, self._worths))
+
+    def of_plan(self, planned: Intended, worlds: range) -> FloatArray:
+        """The same of a whole mission, from its beginning, shape (worlds,)."""
+
+        def fly(world: DrawnWorld, policy: Follow) -> FlownMission:
+            return rehearsed(self._facts, world, policy, planned.kits)
+
+        return self._each(worlds, planned, self._facts.required, fly)
+
+    def prizes(self, worths: FloatArray) -> FloatArray:
+        """The prizes alone of what routes are worth, shape (worlds,)."""
+        met = worths >= self._of_required
+        return worths - met * self._of_required
+
+    def _each(
+        self,
+        worlds: range,
+        planned: Intended,
+        required: frozenset[int],
+        fly: Callable[[DrawnWorld, Follow], FlownMission],
+    ) -> FloatArray:
         found = np.empty(len(worlds))
         for at, seed in enumerate(worlds):
             world = DrawnWorld(self._facts.instance, self._uncertainty, seed)
-            policy = Follow(self._facts, intended, self._uncertainty)
-            flown = flown_on(now, world, policy, self._worths)
+            flown = fly(world, Follow(self._facts, planned, self._uncertainty))
             is_met = bool(required) and required <= set(flown.serviced)
             found[at] = flown.expected + is_met * self._of_required
         return found
