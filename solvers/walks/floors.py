@@ -147,14 +147,16 @@ def sack_of(mission: Mission, ballast_kg: float = 0.0) -> Sack:
     """Knapsack of one chaser."""
     rules = mission.rules
     least_s, least_m_s = floors(mission)
-    uses = _uses(mission, least_m_s, ballast_kg)
+    uses, launched = _uses(mission, least_m_s, ballast_kg), rules.start in mission.instance.launches
+    if launched:  # what no leg leads to may be the first
+        uses = uses._replace(cost=np.where(uses.cost <= uses.budget, uses.cost, uses.of_service))
     possible = (rules.opens + rules.service <= rules.closes) & np.isfinite(least_s)
     possible &= uses.cost <= uses.budget
     possible[: rules.first_target] = False
     took, cost = (np.where(possible, least, math.inf) for least in (least_s, uses.cost))
     # A ready chaser takes departures a slack before, once a leg.
     time_s, budget = max(0.0, rules.duration - rules.ready), uses.budget
-    if rules.start in mission.instance.launches:
+    if launched:
         # A launch takes no time and no ΔV.
         time_s += float(took[possible].max(initial=0.0))
         budget += float((uses.cost[possible] - uses.of_service[possible]).max(initial=0.0))
@@ -187,7 +189,7 @@ def _uses(mission: Mission, least_m_s: np.ndarray, ballast_kg: float) -> _Uses:
     most = float(np.max((dry + kits_kg) * np.exp(loads.full / exhaust) - kits_kg))
 
     def used(leg_m_s: np.ndarray) -> np.ndarray:
-        rise, more = _backwards(mission, leg_m_s)
+        rise, more = _backwards(mission, np.minimum(leg_m_s, 2.0 * mission.rules.budget))
         last = np.maximum((most - more) / rise, dry)  # with no more it would have been too heavy
         ends = [np.log((rise * m + more + ballast_kg) / (m + ballast_kg)) for m in (dry, last)]
         cost: np.ndarray = np.where(rise * dry + more > most, math.inf, exhaust * np.minimum(*ends))
@@ -213,7 +215,7 @@ def _ballasts(mission: Mission) -> tuple[float, ...]:
     """Ballasts that are tried [kg]: of the middle of all bodies, and much, among them."""
     if mission.rules.loads is None or not isinstance(mission.chaser.tank, TankByMass):
         return (0.0,)
-    rise, more = _backwards(mission, floors(mission)[1])
+    rise, more = _backwards(mission, np.minimum(floors(mission)[1], mission.rules.budget))
     level = (more / np.maximum(rise - 1.0, GUARD))[more > 0.0]
     some = np.quantile(level, (0.0, 0.5, 1.0)).tolist() if level.size else []
     return (0.0, *some, MUCH * mission.chaser.tank.dry_mass_kg)

@@ -172,6 +172,8 @@ def _share(instance: Instance, chaser: Chaser, ballast_kg: float) -> _Share:
     if isinstance(tank, TankByMass):
         most_kg = _most_kg(tank)
         full = _counted(tank, ballast_kg, most_kg) - _counted(tank, ballast_kg, tank.dry_mass_kg)
+    if chaser.is_launched:  # what no leg leads to may be the first
+        cost = np.where(cost <= full, cost, alone)
     begin_s, end_s = chaser.available_s
     last_s = min(instance.mission.duration_s, math.inf if end_s is None else end_s)
     for body, target in enumerate(instance.targets, start=first):
