@@ -7,6 +7,7 @@ python bench/rehearsals.py charges --count 5000
 python bench/rehearsals.py campaign CATALOGUE --limit 60 --replanned 20 --worlds 5
 python bench/rehearsals.py replan --seeds 0 1 2 --days 2 3 4
 python bench/rehearsals.py paired --fields 3 --worlds 10
+python bench/rehearsals.py expected --fields 3
 """
 
 from __future__ import annotations
@@ -25,13 +26,16 @@ from tables import experiment, head, row, timed
 import adr_opt
 from adr_opt.analysis import replan as replanned_by
 from adr_opt.analysis.rehearse.bounds import bounds
+from adr_opt.analysis.rehearse.rehearsals import Rehearsals
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.rehearse.tries import TryWorths
+from adr_opt.analysis.robust.expected import expected as expected_plan
 from adr_opt.analysis.robust.robust import robust as robust_plan
 from adr_opt.common.clock import count_processor_time
 from adr_opt.common.constants import DAY_S
 from adr_opt.legs.corrections import Moments, RiskCharge
 from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import KeepOutZone
 from adr_opt.problem.uncertainty import Uncertainty
@@ -350,8 +354,18 @@ PAIRED = {
 """Scenarios in which replanning is compared with following."""
 
 
+def drawn(family: str, seed: int) -> Instance:
+    """A field of a family; ``one-tank`` is ``reduced-time`` without its station, with 1 km/s."""
+    if family != "one-tank":
+        return adr_opt.generate(family, seed)
+    made = adr_opt.generate("reduced-time", seed)
+    start = InOrbit(orbit=made.stations[0].orbit)
+    chaser = made.chaser.replace(start=start, end="anywhere", tank=Tank(delta_v_m_s=1000.0))
+    return made.replace(stations=(), chasers=(chaser,))
+
+
 def paired(
-    families: tuple[str, ...] = ("nominal", "reduced-time", "reduced-fuel", "campaign"),
+    families: tuple[str, ...] = ("nominal", "reduced-time", "reduced-fuel", "one-tank"),
     scenarios: tuple[str, ...] = tuple(PAIRED),
     policy: str = "replan",
     fields: int = 3,
@@ -362,8 +376,9 @@ def paired(
 ) -> None:
     """What a policy collects beyond ``follow``, in the same worlds, from the same plan of ``auto``.
 
-    Prizes are without the luck of captures; *p* is that of a paired test, two-sided, by the normal
-    distribution. Limits count processor time.
+    ``captures``: a try succeeds with a chance of 0.8, two tries; ``dear``: legs cost a factor of
+    lognormal spread 0.2; ``both``. Prizes are without the luck of captures; *p* is that of a paired
+    test, two-sided, by the normal distribution. Limits count processor time.
     """
     count_processor_time()
     head("family", "scenario", "rehearsals", "`follow`", f"`{policy}`", "more", "p", "s each")
@@ -371,7 +386,7 @@ def paired(
         (family, seed): (instance, adr_opt.solve(instance, time_limit=limit).plan)
         for family in families
         for seed in range(first_field, first_field + fields)
-        for instance in (adr_opt.generate(family, seed),)
+        for instance in (drawn(family, seed),)
     }
     for family, name in ((family, name) for family in families for name in scenarios):
         found: dict[str, list[float]] = {"follow": [], policy: []}
@@ -402,5 +417,65 @@ def paired(
         )
 
 
+def expected(
+    scenarios: tuple[str, ...] = ("captures", "slow"),
+    fields: int = 3,
+    first_field: int = 600,
+    limit: float = 60.0,
+    followed: int = 500,
+    replanned: int = 10,
+    worlds: int = 5,
+    bound_limit: float = 30.0,
+    confidence: float = 0.9,
+) -> None:
+    """Plans for the expected prize beside plain ones and those with a confidence, in new worlds.
+
+    Nominal fields in scenarios of ``scenarios``. The gap is that of the plan replanned to the
+    penalised bound on every policy, of which penalties price time at what the plain plan collects
+    in a day. Limits count processor time.
+    """
+    count_processor_time()
+    head(
+        *("field", "scenario", "plain, followed", f"kept with {confidence:g}", "expected, stated"),
+        *("followed", "replanned", "bound", "gap followed", "gap replanned"),
+    )
+    for seed, name in (
+        (seed, name) for seed in range(first_field, first_field + fields) for name in scenarios
+    ):
+        instance, world = adr_opt.generate("nominal", seed), SCENARIOS[name]
+        plain = adr_opt.solve(instance, time_limit=limit).plan
+        kept_plan = robust_plan(instance, world, confidence, time_limit=limit).plan
+        made = expected_plan(instance, world, time_limit=limit).plan
+        assert plain is not None
+        assert made is not None
+        assert made.expected is not None
+
+        def flown(plan: Plan, policy: str, samples: int) -> Rehearsals:
+            return rehearse(instance, plan, world, policy=policy, samples=samples)  # noqa: B023
+
+        runs = [flown(made, "follow", followed), flown(made, "replan", replanned)]
+        price = plain.objective / (instance.mission.duration_s / DAY_S)
+        bounded = bounds(
+            instance,
+            world,
+            samples=worlds,
+            method="lagrangian",
+            time_limit=bound_limit,
+            time_price=price,
+        )
+        told = [_mean(run.to_dict()["expected_prize"]) for run in runs]
+        others = [
+            "none" if plan is None else _mean(flown(plan, "follow", followed).to_dict()["prize"])
+            for plan in (plain, kept_plan)
+        ]
+        row(
+            *(instance.name, name, *others, f"{made.expected.prize:.2f}", *told),
+            _mean(bounded.to_dict()["penalised"]),
+            *(_gap(bounded.gaps(run).get("penalised")) for run in runs),
+        )
+
+
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, speed, scenarios, robust, charges, campaign, replan, paired))
+    sys.exit(
+        experiment(__doc__, speed, scenarios, robust, charges, campaign, replan, paired, expected)
+    )
