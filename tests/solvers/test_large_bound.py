@@ -26,6 +26,9 @@ from seeds import over_kinds
 import adr_opt
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
+from adr_opt.plan.tows import removals_of
+from adr_opt.problem.chasers import TankByMass
+from adr_opt.problem.drives import drive_of
 from adr_opt.run import front
 from solvers.networks.packed_legs import AHEAD, FIELD, LegSource, NoRoom, Stream
 from solvers.proof import large_proof, proof
@@ -114,6 +117,37 @@ def test_least_times_bound_every_plan_of_a_campaign(draw, seeds):
         campaign = Problem(draw(seed))
         prizes, _ = brute_force_campaign(campaign)
         assert campaign.shown(floor_evidence(campaign)[0]) >= prizes - 1e-9, seed
+
+
+def electric_tows(targets: int, chasers: int) -> adr_opt.Instance:
+    """Light upper stages around 83° that electric chasers of 700 and 90 kg tow down."""
+    drawn = adr_opt.generate("electric", 0, targets=3 * targets)
+    light = [target for target in drawn.targets if target.mass_kg < 5000.0][:targets]
+    tank = TankByMass(dry_mass_kg=700.0, propellant_kg=90.0, isp_s=1800.0)
+    fleet = tuple(chaser.replace(tank=tank) for chaser in drawn.chasers[:chasers])
+    return drawn.replace(targets=tuple(light), chasers=fleet)
+
+
+def test_tows_are_bounded_by_the_rocket_equation_backwards() -> None:
+    """No chaser tows more than one whose tows and climbs are the least, each at its own mass.
+
+    Enumerated backwards from an empty tank: the one that is launched onto its first target climbs
+    once less.
+    """
+    campaign = Problem(electric_tows(8, 2))
+    mission = campaign.missions[0]
+    drive = drive_of(mission.chaser, mission.instance.targets)
+    exhaust, most = mission.chaser.tank.exhaust_m_s, 790.0
+    _, climbs = floors(mission)
+    climb = math.exp(float(climbs[mission.instance.first_target :].min()) / exhaust)
+    tow = min(each.delta_v_m_s for each in removals_of(mission.instance, drive).values())
+    towing, mass, tows = math.exp(tow / exhaust), 700.0, 0
+    while (before := (mass + 1400.0) * towing - 1400.0) <= most:
+        tows, mass = tows + 1, before * climb
+    assert 0 < tows < 4
+    bound, evidence = floor_evidence(campaign)
+    assert evidence.floors.alone
+    assert campaign.shown(bound) == 2.0 * tows
 
 
 @every_kind(20, gate=6)
