@@ -62,7 +62,11 @@ class Outlook:
         """
         intended = Intended(None, tuple(map(tuple, routes)), ())
         required = self._facts.required - now.closed
-        return self._each(worlds, intended, required, lambda *of: flown_on(now, *of, self._worths))
+
+        def fly(world: DrawnWorld, policy: Follow) -> FlownMission:
+            return flown_on(now, world, policy, self._worths)
+
+        return self._each(worlds, intended, required, fly)
 
     def of_plan(self, planned: Intended, worlds: range) -> FloatArray:
         """The same of a whole mission, from its beginning, shape (worlds,)."""

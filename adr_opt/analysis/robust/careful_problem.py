@@ -80,7 +80,8 @@ def shared(confidence: float, promise: Promise) -> Levels:
 def between(first: Levels, second: Levels, share: float) -> Levels:
     """Levels on the way from one to the other, and beyond it, by their normal scores."""
 
-    def score(level: float) -> float:
+    def score(level: float | None) -> float:
+        assert level is not None
         return _NORMAL.inv_cdf(min(level, MOST_LEVEL))
 
     return Levels(

@@ -190,7 +190,7 @@ def _share(instance: Instance, chaser: Chaser, ballast_kg: float) -> _Share:
         time_s += float(took[can].max(initial=0.0))
         budget += float((cost[can] - alone[can]).max(initial=0.0))
     refuelling_s = float(took[: len(instance.stations)].min(initial=math.inf))
-    return _Share(took, cost, *map(Fraction, (time_s, budget, full)), refuelling_s)
+    return _Share(took, cost, Fraction(time_s), Fraction(budget), Fraction(full), refuelling_s)
 
 
 def _most_kg(tank: TankByMass) -> float:
