@@ -33,7 +33,8 @@ from adr_opt.run import front
 from solvers.networks.packed_legs import AHEAD, FIELD, LegSource, NoRoom, Stream
 from solvers.proof import large_proof, proof
 from solvers.proof.large_proof import LargeProof, layouts
-from solvers.walks.floors import Sack, floor_evidence, floors, knapsack
+from solvers.walks.floors import Sack, floor_evidence, knapsack
+from solvers.walks.least_legs import floors
 from solvers.walks.multipliers import Descent
 from solvers.walks.priced_walks import PooledBound
 from solvers.walks.tank_walks import TankBound
