@@ -354,13 +354,13 @@ PAIRED = {
 """Scenarios in which replanning is compared with following."""
 
 
-def drawn(family: str, seed: int) -> Instance:
-    """A field of a family; ``one-tank`` is ``reduced-time`` without its station, with 1 km/s."""
+def drawn(family: str, seed: int, targets: int) -> Instance:
+    """A field of a family; ``one-tank`` is ``reduced-time`` without its station, with 600 m/s."""
     if family != "one-tank":
-        return adr_opt.generate(family, seed)
-    made = adr_opt.generate("reduced-time", seed)
+        return adr_opt.generate(family, seed, targets=targets)
+    made = adr_opt.generate("reduced-time", seed, targets=targets)
     start = InOrbit(orbit=made.stations[0].orbit)
-    chaser = made.chaser.replace(start=start, end="anywhere", tank=Tank(delta_v_m_s=1000.0))
+    chaser = made.chaser.replace(start=start, end="anywhere", tank=Tank(delta_v_m_s=600.0))
     return made.replace(stations=(), chasers=(chaser,))
 
 
@@ -368,6 +368,7 @@ def paired(
     families: tuple[str, ...] = ("nominal", "reduced-time", "reduced-fuel", "one-tank"),
     scenarios: tuple[str, ...] = tuple(PAIRED),
     policy: str = "replan",
+    targets: int = 50,
     fields: int = 3,
     first_field: int = 500,
     worlds: int = 10,
@@ -386,7 +387,7 @@ def paired(
         (family, seed): (instance, adr_opt.solve(instance, time_limit=limit).plan)
         for family in families
         for seed in range(first_field, first_field + fields)
-        for instance in (drawn(family, seed),)
+        for instance in (drawn(family, seed, targets),)
     }
     for family, name in ((family, name) for family in families for name in scenarios):
         found: dict[str, list[float]] = {"follow": [], policy: []}
