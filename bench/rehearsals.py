@@ -423,6 +423,7 @@ def paired(
 
 def expected(
     scenarios: tuple[str, ...] = ("captures", "slow"),
+    targets: int = 50,
     fields: int = 3,
     first_field: int = 600,
     limit: float = 60.0,
@@ -446,7 +447,7 @@ def expected(
     for seed, name in (
         (seed, name) for seed in range(first_field, first_field + fields) for name in scenarios
     ):
-        instance, world = adr_opt.generate("nominal", seed), SCENARIOS[name]
+        instance, world = adr_opt.generate("nominal", seed, targets=targets), SCENARIOS[name]
         plain = adr_opt.solve(instance, time_limit=limit).plan
         kept_plan = robust_plan(instance, world, confidence, time_limit=limit).plan
         made = expected_plan(instance, world, time_limit=limit).plan
