@@ -470,7 +470,9 @@ def expected(
         )
         told = [_mean(run.to_dict()["expected_prize"]) for run in runs]
         others = [
-            "none" if plan is None else _mean(flown(plan, "follow", followed).to_dict()["prize"])
+            "none"
+            if plan is None
+            else _mean(flown(plan, "follow", followed).to_dict()["expected_prize"])
             for plan in (plain, kept_plan)
         ]
         row(
