@@ -137,7 +137,7 @@ def sack_of(mission: Mission, ballast_kg: float = 0.0) -> Sack:
     uses, launched = _uses(mission, least_m_s, ballast_kg), rules.start in mission.instance.launches
     if launched:  # what no leg leads to may be the first
         uses = uses._replace(cost=np.where(uses.cost <= uses.budget, uses.cost, uses.of_service))
-    possible = (rules.opens + rules.service <= rules.closes) & np.isfinite(least_s)
+    possible = (rules.windows.opening <= rules.windows.closing) & np.isfinite(least_s)
     possible &= uses.cost <= uses.budget
     possible[: rules.first_target] = False
     took, cost = (np.where(possible, least, math.inf) for least in (least_s, uses.cost))

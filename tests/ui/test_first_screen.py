@@ -59,6 +59,26 @@ def test_the_story_is_on_the_first_screen(tmp_path: Path, kind: str, size: tuple
         assert tab.evaluate("document.documentElement.scrollWidth") == width
 
 
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+def test_charts_fit_on_paper(tmp_path: Path) -> None:
+    """When the page is printed no chart is wider than a sheet, and all days stay in view."""
+    widths = (
+        "[...document.querySelectorAll('.chart .main-svg')]"
+        ".map((drawing) => drawing.getBoundingClientRect().width)"
+    )
+    write_report(*flown("one chaser"), tmp_path / "mission.html")
+    with browser.Browser(tmp_path / "profile", width=1400, height=900) as tab:
+        tab.open(tmp_path / "mission.html")
+        tab.wait_for("document.documentElement?.dataset.complete")
+        days = tab.evaluate("document.getElementById('budget').layout.xaxis.range")
+        wide = max(tab.evaluate(widths))
+        tab.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+        tab.wait_for(f"Math.max(...{widths}) < 700")
+        assert tab.evaluate("document.getElementById('budget').layout.xaxis.range") == days
+        tab.evaluate("window.dispatchEvent(new Event('afterprint'))")
+        tab.wait_for(f"Math.max(...{widths}) === {wide}")
+
+
 def test_the_sentence_says_what_the_plan_says() -> None:
     """Visits, days and refuellings are the plan's, and a bound or a proof is told as such."""
     instance, plan = flown("nominal")

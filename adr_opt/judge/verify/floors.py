@@ -40,6 +40,7 @@ from ...problem.chasers import Chaser, TankByMass
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.towed import Towed, towed_bodies
+from .openings import openings_of
 from .terms import services_s
 
 FloatArray = npt.NDArray[np.float64]
@@ -176,12 +177,10 @@ def _share(instance: Instance, chaser: Chaser, ballast_kg: float) -> _Share:
         cost = np.where(cost <= full, cost, alone)
     begin_s, end_s = chaser.available_s
     last_s = min(instance.mission.duration_s, math.inf if end_s is None else end_s)
-    for body, target in enumerate(instance.targets, start=first):
-        opens, closes = target.window_s
-        opens = max(opens, begin_s - SLACK_S)
-        closes = last_s if closes is None else min(closes, last_s)
-        late = opens + stays_s[body] - tows_s[body] > closes + SLACK_S
-        if late or opens + stays_s[body] > last_s + SLACK_S or cost[body] > full:
+    openings = openings_of(instance, stays_s - tows_s)
+    for body in range(first, len(instance.names)):
+        soonest_s = float(openings[body].begins(begin_s - SLACK_S)) + stays_s[body]
+        if soonest_s > last_s + SLACK_S or cost[body] > full:
             took[body] = cost[body] = math.inf
     time_s, budget = max(0.0, last_s + SLACK_S - begin_s), full
     if chaser.is_launched:
