@@ -24,6 +24,7 @@ from random_rules import (
 from seeds import over_kinds
 
 import adr_opt
+from adr_opt.kernels.core.windows import service_ends
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.tows import removals_of
@@ -153,7 +154,7 @@ def test_tows_are_bounded_by_the_rocket_equation_backwards() -> None:
 
 @every_kind(20, gate=6)
 def test_no_connection_is_below_the_floors(draw, seeds):
-    """All connections take the least time to their destination at least, and cost the least ΔV."""
+    """Connections in time take the least time to their destination, and cost the least ΔV."""
     for seed in seeds:
         mission = Mission(draw(seed))
         rules = mission.rules
@@ -162,7 +163,8 @@ def test_no_connection_is_below_the_floors(draw, seeds):
             if i in mission.instance.launches:
                 continue
             found = mission.connecting.found(i, j)
-            end = np.maximum(found.arrival, rules.windows.opening[j]) + rules.service[j]
+            at = np.full(found.arrival.size, j)
+            end = service_ends(rules.windows, at, found.arrival, rules.service[at])
             assert (end - found.departure >= least_s[j]).all(), (seed, i, j)
             assert (found.delta_v >= least_m_s[j]).all(), (seed, i, j)
 
