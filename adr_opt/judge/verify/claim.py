@@ -99,7 +99,8 @@ def _shown(instance: Instance, certificate: Certificate, below: Fraction, trivia
     below -= required * Fraction(certificate.required_worth)
     if below <= 0:
         return -math.inf
-    least = min((prize for prize in _all_prizes(instance) if prize), default=0.0)
+    prizes = (prize for target in instance.targets for prize in target.prizes if prize)
+    least = min(prizes, default=0.0)
     if below <= Fraction(least):
         return min(trivial, 0.0)  # parts of a prize cannot be collected
     if certificate.prize_step is None:
@@ -117,11 +118,6 @@ def missed_by(instance: Instance, step: Fraction) -> Fraction:
         for target in instance.targets
     ]
     return sum(prizes, Fraction(0))
-
-
-def _all_prizes(instance: Instance) -> list[float]:
-    """All prizes that services may be worth."""
-    return [prize for target in instance.targets for prize in target.prizes]
 
 
 def difference_of(instance: Instance, certificate: Certificate) -> float:

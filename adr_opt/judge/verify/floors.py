@@ -145,15 +145,13 @@ def _worth(instance: Instance, certificate: Certificate, share: _Share) -> Fract
 
 def _refuse(instance: Instance) -> None:
     """Refuse instances without known floors."""
-    why = None
-    if instance.given is not None:
-        why = "given connections"
-    elif registered_of(instance):
-        why = "legs of a registered family"
-    elif instance.spent_m_s:
-        why = "a tank that is not full"
-    if why is not None:
-        raise InputError(f"not yet verifiable: floors of an instance with {why}")
+    for without, why in (
+        (instance.given is not None, "given connections"),
+        (registered_of(instance), "legs of a registered family"),
+        (instance.spent_m_s, "a tank that is not full"),
+    ):
+        if without:
+            raise InputError(f"not yet verifiable: floors of an instance with {why}")
 
 
 def _share(instance: Instance, chaser: Chaser, ballast_kg: float) -> _Share:
