@@ -128,6 +128,19 @@ def test_the_engine_finds_the_best_of_all_orders(seed: int) -> None:
         assert end_of(rows, route) == min(ends)
 
 
+@over_seeds(range(60), gate=3)
+def test_local_search_is_by_the_engine(seed: int) -> None:
+    """Where the engine serves, ``local-search`` plans all targets in time if an order does."""
+    instance, rows = drawn(seed, 5)
+    instance = instance.replace(objective=Objective())
+    possible = any(
+        math.isfinite(end_of(rows, order)) for order in itertools.permutations(range(1, 6))
+    )
+    result = adr_opt.solve(instance, "local-search", time_limit=60.0, iterations=3)
+    assert (result.plan is not None) == possible
+    assert result.plan is None or adr_opt.check(instance, result.plan) == ()
+
+
 @over_seeds(range(100), gate=5)
 def test_prizes_are_those_of_enumeration(seed: int) -> None:
     """On few targets its plan by functions of time collects what the best of all orders does."""
