@@ -17,6 +17,7 @@ import numpy.typing as npt
 from adr_opt.common.constants import SLACK_S
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
+from adr_opt.kernels.core.lists import first_at
 from adr_opt.kernels.core.windows import service_end, service_ends
 from adr_opt.kernels.legs.given import leg_of
 from adr_opt.legs.service_limits import limits_of
@@ -55,6 +56,8 @@ class Ways(NamedTuple):
         The most that a leg of a pair costs [m/s].
     least : (pairs,) float64
         No less is it from a ready time to the end of the service, +inf without a leg [s].
+    least_into : (pairs,) float64
+        The same by destination · bodies + origin, side by side for one destination.
     service, opens, closes : (nodes,) float64
         Service begins no earlier than it opens and ends no later than it closes; a start opens when
         the chaser is ready there [s].
@@ -68,6 +71,7 @@ class Ways(NamedTuple):
     is_function: npt.NDArray[np.bool_]
     cost: FloatArray
     least: FloatArray
+    least_into: FloatArray
     service: FloatArray
     opens: FloatArray
     closes: FloatArray
@@ -97,13 +101,7 @@ def arrives(ways, a, b, ready):
     if ways.is_function[pair]:
         _, lands = leg_of(ways.departure, ways.arrival, low, last, ready)
     else:
-        high, earliest = last, earliest_taken(ready)
-        while low < high:
-            middle = (low + high) // 2
-            if ways.departure[middle] < earliest:
-                low = middle + 1
-            else:
-                high = middle
+        low = first_at(ways.departure, low, last, earliest_taken(ready))
         if low < last:
             lands = ways.arrival[low]
     return service_end(lands, ways.opens[b], ways.service[b])
@@ -117,13 +115,14 @@ def leaves(ways, a, b, latest):
         return latest
     begin, last = ways.first[pair], ways.first[pair + 1]
     opens, service = ways.opens[b], ways.service[b]
-    low, high = begin, last
-    while low < high:
-        middle = (low + high) // 2
-        if service_end(ways.arrival[middle], opens, service) <= latest:
-            low = middle + 1
-        else:
-            high = middle
+    if not opens + service <= latest:
+        return -math.inf
+    # The sum decides who is in time, and a difference only where to look.
+    low = first_at(ways.arrival, begin, last, latest - service)
+    while low > begin and not ways.arrival[low - 1] + service <= latest:
+        low -= 1
+    while low < last and ways.arrival[low] + service <= latest:
+        low += 1
     if low == begin:
         return -math.inf
     known = ways.departure[low - 1]
@@ -235,6 +234,18 @@ def ways_of(problem: Problem) -> Ways:
     least = np.empty(bodies**2)
     _least(first, departure, arrival, least)
     least += np.tile(everybody.service, bodies) - SLACK_S
+    into = np.ascontiguousarray(least.reshape(bodies, bodies).T).ravel()
     return Ways(
-        body, first, departure, arrival, is_function, cost, least, service, opens, closes, bodies
+        body,
+        first,
+        departure,
+        arrival,
+        is_function,
+        cost,
+        least,
+        into,
+        service,
+        opens,
+        closes,
+        bodies,
     )

@@ -14,6 +14,8 @@ from toy_roads import roads
 
 import adr_opt
 from adr_opt.common.stop import Interrupted
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.lists import first_at
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.bodies import Target
@@ -248,3 +250,21 @@ def seventy() -> Instance:
         mission=MissionSettings(duration_s=300.0, service_s=2.0, refuel_revolutions=0.0),
     )
     return made.with_given(only(of_breakpoints(pairs, names)))
+
+
+@kernel
+def _first_at(numbers, low, high, least):
+    """The same for Python."""
+    return first_at(numbers, low, high, least)
+
+
+def test_the_first_number_of_at_least_a_value_is_found_by_a_guess() -> None:
+    """Between any two places of ascending numbers it is that of NumPy's search."""
+    rng = np.random.default_rng(0)
+    for _ in range(3000):
+        numbers = np.sort(rng.integers(0, 1 + rng.integers(1, 400), int(rng.integers(1, 80))))
+        numbers = numbers.astype(float) ** rng.choice([1.0, 3.0, 0.2])
+        low, high = sorted(rng.integers(0, numbers.size + 1, 2).tolist())
+        least = float(rng.choice([rng.choice(numbers), rng.uniform(-1.0, 1.1 * numbers.max())]))
+        expected = low + int(np.searchsorted(numbers[low:high], least))
+        assert _first_at(numbers, low, high, least) == expected
