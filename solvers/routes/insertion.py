@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed
 
 from .orders import cost_of, is_start, time_back, time_forth
@@ -21,6 +21,9 @@ from .ways import arrives
 
 TIME_SPENT = 1e-3
 """Weight of the time that it takes to get to a target and service it, among equal delays."""
+
+MOST_KNOWN = 600
+"""Nodes up to which what was found is kept: beyond, memory is slower than looking it up."""
 
 
 class Gaps(NamedTuple):
@@ -38,6 +41,10 @@ class Gaps(NamedTuple):
         where nothing may be inserted [s].
     due : (stops,) float64
         When the second stop is done so far [s].
+    known : (nodes², 4) float64
+        What was found last between a target and a stop before it, at target · nodes + stop: when
+        that stop was done, the end at the target, the stop after it, and the end there. Most
+        insertions are asked for again and again; without rows where there are too many nodes.
     """
 
     origin: np.ndarray
@@ -46,11 +53,16 @@ class Gaps(NamedTuple):
     ready: np.ndarray
     latest: np.ndarray
     due: np.ndarray
+    known: np.ndarray
 
 
 @kernel
-def new_gaps(stops):
+def new_gaps(stops, nodes):
     """Storage for the gaps of an order of at most so many stops."""
+    rows = nodes * nodes if nodes <= MOST_KNOWN else 0
+    known = np.empty((rows, 4))
+    for row in range(rows):
+        known[row, 0] = math.nan
     return Gaps(
         np.zeros(stops, np.int64),
         np.zeros(stops, np.int64),
@@ -58,6 +70,7 @@ def new_gaps(stops):
         np.empty(stops),
         np.empty(stops),
         np.empty(stops),
+        known,
     )
 
 
@@ -82,7 +95,29 @@ def find_gaps(ways, terms, order, length, by_slack, gaps):
             gaps.latest[p] = latest
 
 
-@kernel
+@inlined
+def _through(ways, gaps, i, j, k, ready, latest):
+    """Ends at a target between two stops and at the second; +inf at the latter if it is late."""
+    known, row = gaps.known, j * ways.body.size + i
+    keeps = known.shape[0] > 0
+    if keeps and known[row, 0] == ready:
+        end = known[row, 1]
+    else:
+        end = arrives(ways, i, j, ready)
+        if keeps:
+            known[row, 0], known[row, 1], known[row, 2] = ready, end, -1.0
+    after = math.inf
+    if end <= latest:
+        if keeps and known[row, 2] == k:
+            after = known[row, 3]
+        else:
+            after = arrives(ways, j, k, end)
+            if keeps:
+                known[row, 2], known[row, 3] = k, after
+    return end, after
+
+
+@inlined
 def best_position(ways, terms, order, gaps, length, j, passed_over, rng):
     """The position at which a target delays what follows least, or leaves it most time.
 
@@ -108,8 +143,6 @@ def best_position(ways, terms, order, gaps, length, j, passed_over, rng):
         By how much later the next stop is done, less the time that it had if that counts, and the
         same at the next best position [s].
     """
-    ways, terms, order = borrowed(ways), borrowed(terms), borrowed(order)
-    gaps = borrowed(gaps)
     nodes, spent, bodies = order.nodes, order.spent, ways.bodies
     best, least, second, known = -1, math.inf, math.inf, math.inf
     first_end, closes = ways.opens[j] + ways.service[j], ways.closes[j]
@@ -126,10 +159,7 @@ def best_position(ways, terms, order, gaps, length, j, passed_over, rng):
         if passed_over > 0.0 and rng.random() < passed_over:
             continue
         i, k = nodes[p - 1], nodes[p]
-        end = arrives(ways, i, j, gaps.ready[p])
-        if not end <= latest:
-            continue
-        after = arrives(ways, j, k, end)
+        end, after = _through(ways, gaps, i, j, k, gaps.ready[p], latest)
         if not after <= gaps.latest[p]:
             continue
         chaser = gaps.chaser[p]

@@ -51,6 +51,8 @@ def _draw_missing(terms, order, length, absent, by_need, rng):
 @kernel
 def insert_in_turn(ways, terms, order, length, gaps, absent, deadline, by_slack, rng):  # noqa: PLR0913
     """Insert missing targets in an order that is drawn; returns the number of stops."""
+    ways, terms, order = borrowed(ways), borrowed(terms), borrowed(order)
+    gaps = borrowed(gaps)
     drawn = _draw_missing(terms, order, length, absent, by_slack, rng)
     find_gaps(ways, terms, order, length, by_slack, gaps)
     for j in drawn:
@@ -67,9 +69,14 @@ def insert_in_turn(ways, terms, order, length, gaps, absent, deadline, by_slack,
 @kernel
 def insert_best(ways, terms, order, length, gaps, absent, deadline, pace, rng):  # noqa: PLR0913
     """Insert the best missing target again and again; returns the number of stops."""
+    ways, terms, order = borrowed(ways), borrowed(terms), borrowed(order)
+    gaps = borrowed(gaps)
     drawn = _draw_missing(terms, order, length, absent, False, rng)
     left = min(drawn.size, MOST_COMPARED)
     by_regret, power = rng.random() < BY_REGRET, 1.0 + rng.random()
+    worth = np.empty(left)
+    for m in range(left):
+        worth[m] = terms.prize[drawn[m]] ** power
     while left > 0:
         find_gaps(ways, terms, order, length, False, gaps)
         best, most, where, whose, kept = -1, -math.inf, -1, -1, 0
@@ -80,18 +87,18 @@ def insert_best(ways, terms, order, length, gaps, absent, deadline, pace, rng): 
             )
             if position < 0:
                 continue
-            gain = (0.8 + 0.4 * rng.random()) * terms.prize[j] ** power
+            gain = (0.8 + 0.4 * rng.random()) * worth[m]
             gain *= (
                 min(second - delay, 10.0 * pace) if by_regret else 1.0 / (max(delay, 0.0) + pace)
             )
             if gain > most:
                 best, most, where, whose = kept, gain, position, chaser
-            drawn[kept] = j
+            drawn[kept], worth[kept] = j, worth[m]
             kept += 1
         if best < 0:
             break
         insert(ways, order, length, drawn[best], where, whose, deadline)
         length += 1
         left = kept - 1
-        drawn[best] = drawn[left]
+        drawn[best], worth[best] = drawn[left], worth[left]
     return length

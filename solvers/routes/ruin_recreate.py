@@ -167,7 +167,7 @@ def _anneal(ways, terms, here, there, length, near, absent, cooling, rng, halt, 
     """The same in lent memory; the second order is written first."""
     ways, terms, near, absent = borrowed(ways), borrowed(terms), borrowed(near), borrowed(absent)
     here, there = borrowed(here), borrowed(there)
-    targets, gaps = nodes.size - 2 * terms.budget.size, new_gaps(nodes.size)
+    targets, gaps = nodes.size - 2 * terms.budget.size, new_gaps(nodes.size, ways.body.size)
     # An order that is not possible loses its last targets.
     while True:
         time_back(ways, here, length - 1, -1, math.inf)
