@@ -10,8 +10,8 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed
 
-from .orders import cost_of, is_start
-from .strings import LONGEST_STRING, mark_strings
+from .orders import count_all
+from .strings import LONGEST_STRING, mark_strings, take_out
 
 STRINGS, ONE_STRING, AT_RANDOM = 0.6, 0.8, 0.95
 """Cumulative shares of the ways to ruin; the rest takes out what is worth least."""
@@ -64,20 +64,8 @@ def ruin(ways, terms, order, length, near, full, rng):
         ranks = rising(keys, length)
         for m in range(min(visited, rng.integers(1, 2 * LONGEST_STRING))):
             out[ranks[m]] = True
-    taken = np.empty(length, np.int64)
-    size, first, last, missing, chaser = 0, length, 0, 0, -1
     for p in range(length):
-        chaser += is_start(ways, nodes[p])
-        if out[p] and nodes[p] < bodies:
-            first, last = min(first, size), size
-            i, j, k = nodes[size - 1], nodes[p], nodes[p + 1]
-            order.spent[chaser] += cost_of(ways, i, k) - cost_of(ways, i, j) - cost_of(ways, j, k)
-            order.visited[chaser] -= 1
-            taken[missing] = nodes[p]
-            missing += 1
-        else:
-            nodes[size] = nodes[p]
-            size += 1
-    for m in range(missing):
-        nodes[size + m] = taken[m]
-    return size, min(first, size), last + 1
+        out[p] = out[p] and nodes[p] < bodies
+    size, first, last = take_out(nodes, out, length)
+    count_all(ways, order, size)
+    return size, first, last + 1
