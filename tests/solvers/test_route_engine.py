@@ -13,7 +13,8 @@ from timed_fields import timed_mission
 from toy_roads import roads
 
 import adr_opt
-from adr_opt.common.stop import Interrupted
+from adr_opt.common.progress import silent
+from adr_opt.common.stop import Interrupted, Stop
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.lists import first_at
 from adr_opt.mission.mission import Mission
@@ -24,7 +25,11 @@ from adr_opt.problem.given import of_rows, only
 from adr_opt.problem.given_functions import of_breakpoints
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import MissionSettings, Objective
+from solvers.planners import timed_routes
+from solvers.planners.options import AutoOptions
+from solvers.progress.gap import GapTracker
 from solvers.routes import orders
+from solvers.routes.engine_rounds import EngineRounds
 from solvers.routes.route_engine import RouteEngine
 from solvers.routes.ways import arrives, leaves, serves, ways_of
 
@@ -212,7 +217,7 @@ def test_two_chasers_collect_what_enumeration_does(seed: int) -> None:
 
 def test_functions_of_time_have_no_limit_of_targets_or_chasers() -> None:
     """Two chasers and seventy targets by functions of time have a plan that ``check`` accepts."""
-    instance = seventy()
+    instance = roaming(70, 2)
     result = adr_opt.solve(instance, "auto", time_limit=60.0, iterations=2)
     assert result.plan is not None
     assert adr_opt.check(instance, result.plan) == ()
@@ -221,22 +226,53 @@ def test_functions_of_time_have_no_limit_of_targets_or_chasers() -> None:
     assert again.routes == result.routes
 
 
-def seventy() -> Instance:
-    """A drawn mission of two chasers by functions of time, with windows."""
+class Countdown(Stop):
+    """A limit that falls whenever it is asked, whatever else the processor does."""
+
+    def __init__(self, asked: int) -> None:
+        self._left = asked
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether to stop."""
+        return self.remaining_s() <= 0.0
+
+    def remaining_s(self) -> float:
+        """What is left."""
+        self._left -= 1
+        return float(self._left)
+
+
+def test_a_proof_without_an_end_leaves_time_to_the_engine() -> None:
+    """By functions of time to forty targets, rounds go on where the proof has used up its part."""
+    problem = Problem(roaming(40, 1, 250.0))
+    problem.do_without()
+    first = EngineRounds(problem, GapTracker(problem, silent), 0, Interrupted(), 1)
+    first.at_first()
+    stop = Countdown(300)
+    result = timed_routes.plan(
+        "auto", problem, seed=0, stop=stop, progress=silent, start=None, options=AutoOptions(jobs=1)
+    )
+    assert result.counters["labels"] > 0
+    assert result.status == "feasible"
+    assert result.counters["rounds"] > first.counters["rounds"] > 0
+
+
+def roaming(targets: int, chasers: int, open_s: float = 90.0) -> Instance:
+    """A drawn mission by functions of time, with windows."""
     rng = np.random.default_rng(0)
-    names = ["depot", *(f"t{number}" for number in range(70))]
-    points = rng.uniform(0.0, 100.0, (71, 2))
+    names = ["depot", *(f"t{number}" for number in range(targets))]
+    points = rng.uniform(0.0, 100.0, (targets + 1, 2))
     pairs = []
-    for i, j in itertools.permutations(range(71), 2):
+    for i, j in itertools.permutations(range(targets + 1), 2):
         way = 1.0 + float(np.hypot(*(points[i] - points[j])))
         pairs.append((names[i], names[j], [[0.0, way], [300.0, 300.0 + 1.5 * way]], 0.0))
     made = roads(
-        name="seventy",
+        name="roaming",
         targets=[
             Target(
-                name=name, prize=float(rng.integers(1, 9)), window_s=(float(opens), opens + 90.0)
+                name=name, prize=float(rng.integers(1, 9)), window_s=(float(opens), opens + open_s)
             )
-            for name, opens in zip(names[1:], rng.integers(0, 200, 70).tolist(), strict=True)
+            for name, opens in zip(names[1:], rng.integers(0, 200, targets).tolist(), strict=True)
         ],
         chasers=[
             Chaser(
@@ -245,7 +281,7 @@ def seventy() -> Instance:
                 end=AtStation(station="depot"),
                 tank=Tank(delta_v_m_s=1.0),
             )
-            for number in range(2)
+            for number in range(chasers)
         ],
         mission=MissionSettings(duration_s=300.0, service_s=2.0, refuel_revolutions=0.0),
     )
