@@ -15,6 +15,7 @@ import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed
+from adr_opt.kernels.core.windows import opening
 
 from .orders import cost_of, is_start, time_back, time_forth
 from .ways import arrives
@@ -145,7 +146,7 @@ def best_position(ways, terms, order, gaps, length, j, passed_over, rng):
     """
     nodes, spent, bodies = order.nodes, order.spent, ways.bodies
     best, least, second, known = -1, math.inf, math.inf, math.inf
-    first_end, closes = ways.opens[j] + ways.service[j], ways.closes[j]
+    first_end, closes = opening(ways.windows, j) + ways.service[j], ways.closes[j]
     for p in range(1, length):
         # No way is quicker than the least of its pair: most positions need no closer look.
         soonest = gaps.ready[p] + ways.least_into[j * bodies + gaps.origin[p]]
