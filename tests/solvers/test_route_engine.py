@@ -248,7 +248,7 @@ def test_a_proof_without_an_end_leaves_time_to_the_engine() -> None:
     problem.do_without()
     first = EngineRounds(problem, GapTracker(problem, silent), 0, Interrupted(), 1)
     first.at_first()
-    stop = Countdown(300)
+    stop = Countdown(100)
     result = timed_routes.plan(
         "auto", problem, seed=0, stop=stop, progress=silent, start=None, options=AutoOptions(jobs=1)
     )
