@@ -29,6 +29,7 @@ from fields import best_known, ready
 from tables import experiment, head, kept, row, timed
 
 import adr_opt
+from adr_opt.common.clock import count_processor_time
 from adr_opt.common.files import write_text
 from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.order_repair import as_it_is, mended
@@ -167,10 +168,12 @@ def fields(
         print("\n† of the rounded model, no bound on the mission")
 
 
-def planned(places: Places, method: str, limit_s: float, chasers: int) -> dict[str, Any]:
+def planned(
+    places: Places, method: str, limit_s: float, chasers: int, seed: int, options: dict[str, Any]
+) -> dict[str, Any]:
     """Plan a drawn instance within a limit; the plan is checked, and scored by the tours alone."""
     instance = instance_of(places, chasers)
-    result = adr_opt.solve(instance, method, time_limit=limit_s)
+    result = adr_opt.solve(instance, method, time_limit=limit_s, seed=seed, **options)
     prizes = 0.0
     if result.plan is not None:
         assert adr_opt.check(instance, result.plan) == ()
@@ -191,6 +194,8 @@ def windows(
     method: str = "auto",
     pyvrp: float | None = None,
     chasers: int = 1,
+    seed: int = 0,
+    processor: bool = False,
     rows: Path | None = None,
     keep: Path = Path(__file__).parent / "curves" / "windows.csv",
 ) -> None:
@@ -199,28 +204,36 @@ def windows(
     Draws instances of each of four kinds and plans each within each limit. The best known prizes of
     an instance are the largest of all that were found here, by PyVRP too, and kept in the table of
     ``--keep``. Every plan passes ``check`` and is scored again by the tour alone. Rows that the
-    file of ``--rows`` has are not planned again.
+    file of ``--rows`` has are not planned again. ``--processor``: limits are of processor time, on
+    one core, whatever else runs.
     """
+    options = {"jobs": 1} if processor and spec(method).uses_cores else {}
+    if processor:  # kernels are compiled before
+        planned(draw(KINDS[0], 0, 10), method, 2.0, chasers, seed, options)
+        count_processor_time()
     best: dict[str, float] = {}
     if keep.exists():
         with keep.open(encoding="utf-8", newline="") as file:
             best = {one["instance"]: float(one["prizes"]) for one in csv.DictReader(file)}
-    shown = [f"{method}, {limit:g} s" for limit in limits]
+    shown, theirs = [f"{method}, {limit:g} s" for limit in limits], dict[str, float]()
     head("instance", "best known", *(["PyVRP"] if pyvrp else []), *shown)
     found: dict[float, list[tuple[str, dict[str, Any]]]] = {limit: [] for limit in limits}
-    for kind, seed in ((kind, seed) for kind in kinds for seed in range(count)):
-        one = draw(kind, seed, places)
+    for one in (draw(kind, drawn, places) for kind in kinds for drawn in range(count)):
         name, cells = f"{one.name}-{places}", list[str]()
         name += f"-by-{chasers}" if chasers > 1 else ""
         if pyvrp:
-            key = {"instance": name, "method": "pyvrp", "limit_s": pyvrp}
-            theirs = partial(by_pyvrp, one, pyvrp, chasers=chasers)
-            others = kept(rows, key, lambda: {"prizes": float(theirs())})["prizes"]  # noqa: B023
-            best[name] = max(best.get(name, 0.0), others)
-            cells.append(f"{others:g}")
+            key = {"instance": name, "method": "pyvrp", "limit_s": pyvrp, "seed": seed}
+            ask = partial(by_pyvrp, one, pyvrp, seed, chasers)
+            theirs[name] = kept(rows, key, lambda: {"prizes": float(ask())})["prizes"]  # noqa: B023
+            best[name] = max(best.get(name, 0.0), theirs[name])
+            cells.append(f"{theirs[name]:g}")
         for limit in limits:
-            key = {"instance": name, "method": method, "limit_s": limit}
-            made = kept(rows, key, lambda: planned(one, method, limit, chasers))  # noqa: B023
+            key = {"instance": name, "method": method, "limit_s": limit, "seed": seed}
+            made = kept(
+                rows,
+                key,
+                lambda: planned(one, method, limit, chasers, seed, options),  # noqa: B023
+            )
             found[limit].append((name, made))
             best[name] = max(best.get(name, 0.0), made["prizes"])
             bound = f"≤ {math.inf if made['bound'] is None else made['bound']:.0f}"
@@ -236,6 +249,9 @@ def windows(
             f"and {max(behind):.1f} % at most, {sum(made['proven'] for _, made in some)} of "
             f"{len(some)} proven"
         )
+        shares = [made["prizes"] / theirs[name] for name, made in some if theirs.get(name)]
+        if shares:
+            print(f"Of PyVRP's prizes {mean(shares):.3f} in the mean, {min(shares):.3f} at least")
 
 
 if __name__ == "__main__":

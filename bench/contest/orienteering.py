@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from adr_opt.common.clock import now_s
 from adr_opt.problem.bodies import Station, Target
 from adr_opt.problem.chasers import AtStation, Chaser, Tank
 from adr_opt.problem.given import of_rows
@@ -184,7 +185,8 @@ def by_pyvrp(places: Places, time_limit_s: float, seed: int = 0, chasers: int = 
             if i != j:
                 way = int(places.travel[i, j])
                 model.add_edge(here, there, distance=way, duration=way)
-    found = model.solve(pyvrp.stop.MaxRuntime(time_limit_s), seed=seed, display=False).best
+    began = now_s()
+    found = model.solve(lambda _: now_s() - began >= time_limit_s, seed=seed, display=False).best
     if not found.is_feasible():
         return 0
     tours = [

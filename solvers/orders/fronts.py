@@ -19,6 +19,7 @@ import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
+from adr_opt.kernels.core.lists import first_at
 from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
@@ -104,18 +105,6 @@ def new_workspace(connections):
         new_front(3),
         new_front(2),
     )
-
-
-@inlined
-def first_at(numbers, low, high, least):
-    """First index in ascending numbers of at least a value."""
-    while low < high:
-        middle = (low + high) // 2
-        if numbers[middle] < least:
-            low = middle + 1
-        else:
-            high = middle
-    return low
 
 
 @inlined

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.lists import first_at
 from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
 from .connection_table import STEPS
-from .fronts import AT_STATION, BY_STATION, DIRECT, MOST_POINTS, first_at, first_by_end, put
+from .fronts import AT_STATION, BY_STATION, DIRECT, MOST_POINTS, first_by_end, put
 
 
 @kernel

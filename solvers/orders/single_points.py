@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from adr_opt.kernels.core.compile import inlined
 from adr_opt.kernels.core.events import earliest_taken
+from adr_opt.kernels.core.lists import first_at
 
 from ..beams.levels import STRAIGHT
 from .connection_table import STEPS
-from .fronts import first_at, first_by_end
+from .fronts import first_by_end
 
 
 @inlined

@@ -29,7 +29,7 @@ from adr_opt.mission.mission import Mission
 from ..beams.beams import TIME_VALUE_M_S_PER_H
 from ..beams.exchange_rates import worth_of
 from ..progress.halting import halted_by
-from ..routes.strings import mark_strings
+from ..routes.strings import mark_strings, take_out
 from . import bit_orders, fronts
 from .connection_table import is_varied, table_of
 from .cooling import AnnealingSchedule, temperature
@@ -104,24 +104,7 @@ def ruin(order, length, near, rng):
     if length < targets and rng.random() < 0.5:
         seed = order[rng.integers(length, targets)]
     mark_strings(near, place, seed, length, rng, out)
-    kept = np.empty(targets, np.int64)
-    size, first, last, taken = 0, length, 0, 0
-    for p in range(length):
-        if out[p]:
-            first = min(first, p)
-            last = size
-            taken += 1
-        else:
-            kept[size] = order[p]
-            size += 1
-    missing = size
-    for p in range(length):
-        if out[p]:
-            kept[missing] = order[p]
-            missing += 1
-    for p in range(length):
-        order[p] = kept[p]
-    return size, min(first, size), last
+    return take_out(order, out, length)
 
 
 @kernel

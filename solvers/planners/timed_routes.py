@@ -2,7 +2,8 @@
 
 The route engine first, for as much work as it gains by (:mod:`..routes.route_engine`). Then, for
 one chaser and a number of targets whose sets fit an integer, the proof by sets of targets
-(:mod:`..timed_tours`), which begins from that plan. What time the proof leaves is the engine's.
+(:mod:`..timed_tours`), which begins from that plan. What time the proof leaves is the engine's;
+where `auto` looks at all routes, which succeeds for few targets only, that is a part in any case.
 """
 
 from __future__ import annotations
@@ -31,6 +32,9 @@ WIDTHS = (100, 1_000, 10_000, 100_000)
 
 OF_LISTS = 0.3
 """Share of the remaining time for the proof over given connections, which seldom succeeds."""
+
+OF_ROUTES = 0.5
+"""Share of the remaining time in `auto` for the proof over all routes."""
 
 MEMORY_SHARE = 0.4
 """Share of free memory that labels may take."""
@@ -75,7 +79,7 @@ def plan(
         if tour is not None and mission.total_worth > 0.0:
             cost_bound = proof.earliest_end(tour, options.cores)
         if not proof.answered:
-            cost_bound = proof.all_routes()
+            cost_bound = proof.all_routes(1.0 if method == "exact" else OF_ROUTES)
         counters["labels"] = proof.labels
         if not (proof.complete or stop.remaining_s() <= 0.0):
             searching.until()
@@ -139,10 +143,11 @@ class _Proof:
             self.answered = True
         return None
 
-    def all_routes(self) -> float | None:
+    def all_routes(self, share: float) -> float | None:
         """Search all routes; returns what no plan worth as much costs less than, if known."""
         mission, certificate = self._mission, self._certificate
-        search = Orienteering(mission, self._over)
+        within = ShareOfTime(self._stop, share)
+        search = Orienteering(mission, lambda: within.remaining_s() <= 0.0)
         for width in (*WIDTHS, None):
             found = search.search(
                 self._room, width, known=(certificate.incumbent, certificate.cost)
@@ -154,6 +159,7 @@ class _Proof:
                 self.complete = True
                 certificate.lower(found.worth)
                 return certificate.cost if certificate.routes is not None else None
-            if self._stop(certificate.incumbent, certificate.bound) or self._over():
+            asked = self._stop(certificate.incumbent, certificate.bound)
+            if asked or within.remaining_s() <= 0.0:
                 break
         return None

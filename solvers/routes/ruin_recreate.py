@@ -17,47 +17,20 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from adr_opt.kernels.core.compile import kernel
-from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed, write
 from adr_opt.kernels.core.windows import opening
 
-from .orders import (
-    best_position,
-    copy_order,
-    cost_of,
-    count_all,
-    insert,
-    is_possible,
-    is_start,
-    new_order,
-    time_back,
-    time_forth,
-)
-from .strings import LONGEST_STRING, mark_strings
-
-STRINGS, ONE_STRING, AT_RANDOM = 0.6, 0.8, 0.95
-"""Cumulative shares of the ways to ruin; the rest takes out what is worth least."""
+from .insertion import new_gaps
+from .orders import copy_order, count_all, is_possible, new_order, time_back, time_forth
+from .recreate import insert_best, insert_in_turn
+from .ruin import ruin
 
 ONE_BY_ONE = 0.6
 """Share of the iterations that insert targets in an order drawn before."""
 
-PASSED_OVER = 0.03
-"""Probability that a position is passed over there."""
-
-MOST_TRIED, MOST_COMPARED = 250, 120
-"""Maximum number of missing targets that are tried, and that are compared each time."""
-
-BY_REGRET = 0.2
-"""Share of the others that are by regret."""
-
 PATIENCE = 0.99
 """Factor per iteration on the memory of missing targets."""
-
-SELDOM = 0.003
-"""Share of the iterations in which a target counts as missing that never is."""
 
 RENEWED = 20
 """Iterations after which another deadline is drawn, if no order was accepted before."""
@@ -95,140 +68,9 @@ class Cooling(NamedTuple):
 
 
 @kernel
-def _mark_strings(ways, order, length, near, rng, out):
-    """Mark strings of stops near a target that is drawn."""
-    nodes, place = order.nodes, np.full(ways.bodies, -1)
-    for p in range(length):
-        if nodes[p] < ways.bodies:
-            place[nodes[p]] = p
-    targets = nodes.size - 2 * order.visited.size
-    at = rng.integers(0, targets)
-    seed = near[0, at]
-    mark_strings(near, place, seed, length, rng, out)
-
-
-@kernel
-def ruin(ways, terms, order, length, near, full, rng):
-    """Take targets out of an order; only some strings once it is ``full``.
-
-    Returns
-    -------
-    length, first, last : int
-        Stops left; positions before ``first`` are as they were, and so are those from ``last`` on,
-        counted anew.
-    """
-    nodes, bodies = order.nodes, ways.bodies
-    out = np.zeros(length, np.bool_)
-    visited = length - 2 * order.visited.size
-    way = rng.random()
-    if full or way < STRINGS:
-        _mark_strings(ways, order, length, near, rng, out)
-    elif way < ONE_STRING:
-        size = min(1 + rng.integers(0, max(1, min(visited, 10 * LONGEST_STRING) // 2)), length)
-        begin = rng.integers(0, length - size + 1)
-        for p in range(begin, begin + size):
-            out[p] = True
-    elif way < AT_RANDOM:
-        for _ in range(rng.integers(1, max(2, min(visited, 10 * LONGEST_STRING) // 3))):
-            out[rng.integers(0, length)] = True
-    else:
-        keys = np.empty(length)
-        for p in range(length):
-            keys[p] = math.inf
-            if nodes[p] < bodies:
-                keys[p] = terms.prize[nodes[p]] * rng.random()
-        ranks = rising(keys, length)
-        for m in range(min(visited, rng.integers(1, 2 * LONGEST_STRING))):
-            out[ranks[m]] = True
-    taken = np.empty(length, np.int64)
-    size, first, last, missing, chaser = 0, length, 0, 0, -1
-    for p in range(length):
-        chaser += is_start(ways, nodes[p])
-        if out[p] and nodes[p] < bodies:
-            first, last = min(first, size), size
-            i, j, k = nodes[size - 1], nodes[p], nodes[p + 1]
-            order.spent[chaser] += cost_of(ways, i, k) - cost_of(ways, i, j) - cost_of(ways, j, k)
-            order.visited[chaser] -= 1
-            taken[missing] = nodes[p]
-            missing += 1
-        else:
-            nodes[size] = nodes[p]
-            size += 1
-    for m in range(missing):
-        nodes[size + m] = taken[m]
-    return size, min(first, size), last + 1
-
-
-@kernel
-def _draw_missing(ways, terms, order, length, absent, by_need, rng):
-    """Missing targets in the order in which they are to be inserted, as far as they are tried."""
-    missing = order.nodes.size - length
-    keys, way = np.empty(missing), rng.random()
-    for m in range(missing):
-        j, drawn = order.nodes[length + m], rng.random()
-        if way < 0.2:
-            keys[m] = drawn
-        elif way < 0.5:
-            keys[m] = drawn - absent[j]
-        elif by_need:
-            keys[m] = -drawn * (absent[j] + SELDOM)
-        else:
-            keys[m] = -terms.prize[j] * (0.3 + drawn)
-    ranks = rising(keys, missing)
-    wanted = np.empty(min(missing, MOST_TRIED), np.int64)
-    for m in range(wanted.size):
-        wanted[m] = order.nodes[length + ranks[m]]
-    return wanted
-
-
-@kernel
-def _insert_in_turn(ways, terms, order, length, absent, deadline, by_slack, rng):
-    """Insert missing targets in an order that is drawn; returns the number of stops."""
-    for j in _draw_missing(ways, terms, order, length, absent, by_slack, rng):
-        position, chaser, _, _ = best_position(
-            ways, terms, order, length, j, by_slack, PASSED_OVER, rng
-        )
-        if position >= 0:
-            insert(ways, order, length, j, position, chaser, deadline)
-            length += 1
-    return length
-
-
-@kernel
-def _insert_best(ways, terms, order, length, absent, deadline, pace, rng):
-    """Insert the best missing target again and again; returns the number of stops."""
-    drawn = _draw_missing(ways, terms, order, length, absent, False, rng)
-    left = min(drawn.size, MOST_COMPARED)
-    by_regret, power = rng.random() < BY_REGRET, 1.0 + rng.random()
-    while left > 0:
-        best, most, where, whose, kept = -1, -math.inf, -1, -1, 0
-        for m in range(left):
-            j = drawn[m]
-            position, chaser, delay, second = best_position(
-                ways, terms, order, length, j, False, 0.0, rng
-            )
-            if position < 0:
-                continue
-            gain = (0.8 + 0.4 * rng.random()) * terms.prize[j] ** power
-            gain *= (
-                min(second - delay, 10.0 * pace) if by_regret else 1.0 / (max(delay, 0.0) + pace)
-            )
-            if gain > most:
-                best, most, where, whose = kept, gain, position, chaser
-            drawn[kept] = j
-            kept += 1
-        if best < 0:
-            break
-        insert(ways, order, length, drawn[best], where, whose, deadline)
-        length += 1
-        left = kept - 1
-        drawn[best] = drawn[left]
-    return length
-
-
-@kernel
 def _prize(ways, terms, order, length):
     """Sum of the prizes of all stops."""
+    order = borrowed(order)
     total = 0.0
     for p in range(length):
         if order.nodes[p] < ways.bodies:
@@ -326,7 +168,7 @@ def _anneal(ways, terms, here, there, length, near, absent, cooling, rng, halt, 
     """The same in lent memory; the second order is written first."""
     ways, terms, near, absent = borrowed(ways), borrowed(terms), borrowed(near), borrowed(absent)
     here, there = borrowed(here), borrowed(there)
-    targets = nodes.size - 2 * terms.budget.size
+    targets, gaps = nodes.size - 2 * terms.budget.size, new_gaps(nodes.size, ways.body.size)
     # An order that is not possible loses its last targets.
     while True:
         time_back(ways, here, length - 1, -1, math.inf)
@@ -367,9 +209,11 @@ def _anneal(ways, terms, here, there, length, near, absent, cooling, rng, halt, 
         taken, all_in, new = False, False, value
         if is_possible(ways, there):
             if full or rng.random() < ONE_BY_ONE:
-                size = _insert_in_turn(ways, terms, there, size, absent, deadline, full, rng)
+                size = insert_in_turn(ways, terms, there, size, gaps, absent, deadline, full, rng)
             else:
-                size = _insert_best(ways, terms, there, size, absent, deadline, cooling.pace, rng)
+                size = insert_best(
+                    ways, terms, there, size, gaps, absent, deadline, cooling.pace, rng
+                )
             all_in = size == nodes.size
             if is_possible(ways, there) and (all_in or not full):
                 new = _value(ways, terms, there, size, cooling, all_in)

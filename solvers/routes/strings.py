@@ -5,6 +5,8 @@ J. Christiaens and G. Vanden Berghe, Transportation Science 54, 2020.
 
 from __future__ import annotations
 
+import numpy as np
+
 from adr_opt.kernels.core.compile import kernel
 
 MOST_STRINGS, LONGEST_STRING = 3, 6
@@ -42,3 +44,28 @@ def mark_strings(near, place, seed, length, rng, out):
         for q in range(begin, begin + size):
             out[q] = True
         wanted -= 1
+
+
+@kernel
+def take_out(order, out, length):
+    """Move what is marked behind the rest of an order.
+
+    Returns
+    -------
+    length, first, last : int
+        Stops left; positions before ``first`` are as they were, and so are those from ``last`` on,
+        counted anew.
+    """
+    taken = np.empty(length, np.int64)
+    size, first, last, missing = 0, length, 0, 0
+    for p in range(length):
+        if out[p]:
+            first, last = min(first, size), size
+            taken[missing] = order[p]
+            missing += 1
+        else:
+            order[size] = order[p]
+            size += 1
+    for m in range(missing):
+        order[size + m] = taken[m]
+    return size, min(first, size), last

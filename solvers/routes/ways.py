@@ -17,6 +17,7 @@ import numpy.typing as npt
 from adr_opt.common.constants import SLACK_S
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
+from adr_opt.kernels.core.lists import first_at
 from adr_opt.kernels.core.windows import Windows, latest_arrival, service_end, service_ends
 from adr_opt.kernels.legs.given import leg_of
 from adr_opt.legs.service_limits import limits_of
@@ -55,6 +56,8 @@ class Ways(NamedTuple):
         The most that a leg of a pair costs [m/s].
     least : (pairs,) float64
         No less is it from a ready time to the end of the service, +inf without a leg [s].
+    least_into : (pairs,) float64
+        The same by destination · bodies + origin, side by side for one destination.
     windows : Windows
         Of services at the nodes; that of a start opens when the chaser is ready there.
     service, closes : (nodes,) float64
@@ -69,6 +72,7 @@ class Ways(NamedTuple):
     is_function: npt.NDArray[np.bool_]
     cost: FloatArray
     least: FloatArray
+    least_into: FloatArray
     windows: Windows
     service: FloatArray
     closes: FloatArray
@@ -98,16 +102,16 @@ def arrives(ways, a, b, ready):
     if ways.is_function[pair]:
         _, lands = leg_of(ways.departure, ways.arrival, low, last, ready)
     else:
-        high, earliest = last, earliest_taken(ready)
-        while low < high:
-            middle = (low + high) // 2
-            if ways.departure[middle] < earliest:
-                low = middle + 1
-            else:
-                high = middle
+        low = first_at(ways.departure, low, last, earliest_taken(ready))
         if low < last:
             lands = ways.arrival[low]
     return service_end(ways.windows, b, lands, ways.service[b])
+
+
+@inlined
+def _is_over(ways, b, row):
+    """When a service at a node is over after the arrival of a row; +inf if it may not begin [s]."""
+    return service_end(ways.windows, b, ways.arrival[row], ways.service[b])
 
 
 @inlined
@@ -118,13 +122,12 @@ def leaves(ways, a, b, latest):
         return latest
     begin, last = ways.first[pair], ways.first[pair + 1]
     arrive = latest_arrival(ways.windows, b, latest - ways.service[b])
-    low, high = begin, last
-    while low < high:
-        middle = (low + high) // 2
-        if service_end(ways.windows, b, ways.arrival[middle], ways.service[b]) <= latest:
-            low = middle + 1
-        else:
-            high = middle
+    # The end of the service decides who is in time, and a difference only where to look.
+    low = first_at(ways.arrival, begin, last, arrive)
+    while low > begin and not _is_over(ways, b, low - 1) <= latest:
+        low -= 1
+    while low < last and _is_over(ways, b, low) <= latest:
+        low += 1
     if low == begin:
         return -math.inf
     known = ways.departure[low - 1]
@@ -241,6 +244,18 @@ def ways_of(problem: Problem) -> Ways:
     least = np.empty(bodies**2)
     _least(first, departure, arrival, least)
     least += np.tile(everybody.service, bodies) - SLACK_S
+    into = np.ascontiguousarray(least.reshape(bodies, bodies).T).ravel()
     return Ways(
-        body, first, departure, arrival, is_function, cost, least, windows, service, closes, bodies
+        body,
+        first,
+        departure,
+        arrival,
+        is_function,
+        cost,
+        least,
+        into,
+        windows,
+        service,
+        closes,
+        bodies,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import threading
 
 import numpy as np
 import pytest
@@ -13,7 +14,10 @@ from timed_fields import timed_mission
 from toy_roads import roads
 
 import adr_opt
-from adr_opt.common.stop import Interrupted
+from adr_opt.common.progress import silent
+from adr_opt.common.stop import Interrupted, Stop
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.lists import first_at
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.bodies import Target
@@ -22,7 +26,11 @@ from adr_opt.problem.given import of_rows, only
 from adr_opt.problem.given_functions import of_breakpoints
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import MissionSettings, Objective
+from solvers.planners import timed_routes
+from solvers.planners.options import AutoOptions
+from solvers.progress.gap import GapTracker
 from solvers.routes import orders
+from solvers.routes.engine_rounds import EngineRounds
 from solvers.routes.route_engine import RouteEngine
 from solvers.routes.ways import arrives, leaves, serves, ways_of
 
@@ -128,6 +136,19 @@ def test_the_engine_finds_the_best_of_all_orders(seed: int) -> None:
         assert end_of(rows, route) == min(ends)
 
 
+@over_seeds(range(60), gate=3)
+def test_local_search_is_by_the_engine(seed: int) -> None:
+    """Where the engine serves, ``local-search`` plans all targets in time if an order does."""
+    instance, rows = drawn(seed, 5)
+    instance = instance.replace(objective=Objective())
+    possible = any(
+        math.isfinite(end_of(rows, order)) for order in itertools.permutations(range(1, 6))
+    )
+    result = adr_opt.solve(instance, "local-search", time_limit=60.0, iterations=3)
+    assert (result.plan is not None) == possible
+    assert result.plan is None or adr_opt.check(instance, result.plan) == ()
+
+
 @over_seeds(range(100), gate=5)
 def test_prizes_are_those_of_enumeration(seed: int) -> None:
     """On few targets its plan by functions of time collects what the best of all orders does."""
@@ -197,7 +218,7 @@ def test_two_chasers_collect_what_enumeration_does(seed: int) -> None:
 
 def test_functions_of_time_have_no_limit_of_targets_or_chasers() -> None:
     """Two chasers and seventy targets by functions of time have a plan that ``check`` accepts."""
-    instance = seventy()
+    instance = roaming(70, 2)
     result = adr_opt.solve(instance, "auto", time_limit=60.0, iterations=2)
     assert result.plan is not None
     assert adr_opt.check(instance, result.plan) == ()
@@ -206,22 +227,53 @@ def test_functions_of_time_have_no_limit_of_targets_or_chasers() -> None:
     assert again.routes == result.routes
 
 
-def seventy() -> Instance:
-    """A drawn mission of two chasers by functions of time, with windows."""
+class Countdown(Stop):
+    """A limit that falls whenever it is asked, whatever else the processor does."""
+
+    def __init__(self, asked: int) -> None:
+        self._left = asked
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether to stop."""
+        return self.remaining_s() <= 0.0
+
+    def remaining_s(self) -> float:
+        """What is left."""
+        self._left -= not threading.current_thread().daemon  # those look again and again
+        return float(self._left)
+
+
+def test_a_proof_without_an_end_leaves_time_to_the_engine() -> None:
+    """By functions of time to forty targets, rounds go on where the proof has used up its part."""
+    problem = Problem(roaming(40, 1, 250.0))
+    problem.do_without()
+    first = EngineRounds(problem, GapTracker(problem, silent), 0, Interrupted(), 1)
+    first.at_first()
+    stop = Countdown(26)
+    result = timed_routes.plan(
+        "auto", problem, seed=0, stop=stop, progress=silent, start=None, options=AutoOptions(jobs=1)
+    )
+    assert result.counters["labels"] > 0
+    assert result.status == "feasible"
+    assert result.counters["rounds"] > first.counters["rounds"] > 0
+
+
+def roaming(targets: int, chasers: int, open_s: float = 90.0) -> Instance:
+    """A drawn mission by functions of time, with windows."""
     rng = np.random.default_rng(0)
-    names = ["depot", *(f"t{number}" for number in range(70))]
-    points = rng.uniform(0.0, 100.0, (71, 2))
+    names = ["depot", *(f"t{number}" for number in range(targets))]
+    points = rng.uniform(0.0, 100.0, (targets + 1, 2))
     pairs = []
-    for i, j in itertools.permutations(range(71), 2):
+    for i, j in itertools.permutations(range(targets + 1), 2):
         way = 1.0 + float(np.hypot(*(points[i] - points[j])))
         pairs.append((names[i], names[j], [[0.0, way], [300.0, 300.0 + 1.5 * way]], 0.0))
     made = roads(
-        name="seventy",
+        name="roaming",
         targets=[
             Target(
-                name=name, prize=float(rng.integers(1, 9)), window_s=(float(opens), opens + 90.0)
+                name=name, prize=float(rng.integers(1, 9)), window_s=(float(opens), opens + open_s)
             )
-            for name, opens in zip(names[1:], rng.integers(0, 200, 70).tolist(), strict=True)
+            for name, opens in zip(names[1:], rng.integers(0, 200, targets).tolist(), strict=True)
         ],
         chasers=[
             Chaser(
@@ -230,8 +282,26 @@ def seventy() -> Instance:
                 end=AtStation(station="depot"),
                 tank=Tank(delta_v_m_s=1.0),
             )
-            for number in range(2)
+            for number in range(chasers)
         ],
         mission=MissionSettings(duration_s=300.0, service_s=2.0, refuel_revolutions=0.0),
     )
     return made.with_given(only(of_breakpoints(pairs, names)))
+
+
+@kernel
+def _first_at(numbers, low, high, least):
+    """The same for Python."""
+    return first_at(numbers, low, high, least)
+
+
+def test_the_first_number_of_at_least_a_value_is_found_by_a_guess() -> None:
+    """Between any two places of ascending numbers it is that of NumPy's search."""
+    rng = np.random.default_rng(0)
+    for _ in range(3000):
+        numbers = np.sort(rng.integers(0, 1 + rng.integers(1, 400), int(rng.integers(1, 80))))
+        numbers = numbers.astype(float) ** rng.choice([1.0, 3.0, 0.2])
+        low, high = sorted(rng.integers(0, numbers.size + 1, 2).tolist())
+        least = float(rng.choice([rng.choice(numbers), rng.uniform(-1.0, 1.1 * numbers.max())]))
+        expected = low + int(np.searchsorted(numbers[low:high], least))
+        assert _first_at(numbers, low, high, least) == expected

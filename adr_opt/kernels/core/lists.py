@@ -7,6 +7,39 @@ from .compile import inlined, kernel
 RUN = 16
 """Length of the runs that are sorted by insertion before merging."""
 
+GUESSED = 12
+"""Numbers from which on :func:`first_at` guesses: halving takes a cache line for each step."""
+
+
+@inlined
+def first_at(numbers, low, high, least):
+    """First index between two, in ascending numbers, of at least a value, or ``high``.
+
+    Guessed as if numbers were evenly spaced, then enclosed in steps that double, then halved.
+    """
+    if high - low > GUESSED and numbers[low] < least <= numbers[high - 1]:
+        share = (least - numbers[low]) / (numbers[high - 1] - numbers[low])
+        guess, step = low + np.int64(share * (high - 1 - low)), 1
+        if numbers[guess] < least:
+            low, place = guess + 1, guess + 1
+            while place < high and numbers[place] < least:
+                low, step = place + 1, 2 * step
+                place = low + step
+            high = min(high, place)
+        else:
+            high, place = guess, guess - 1
+            while place >= low and numbers[place] >= least:
+                high, step = place, 2 * step
+                place = high - step
+            low = max(low, place + 1)
+    while low < high:
+        middle = (low + high) // 2
+        if numbers[middle] < least:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
 
 @kernel
 def wider(numbers, size):

@@ -147,9 +147,8 @@ def last_begin(windows, body):
 
 
 @kernel
-def latest_arrival(windows, body, begin):
-    """Latest arrival whose service begins by a time; −inf for none [s]."""
-    low, high = windows.first[body], windows.first[body + 1]
+def _latest_among(windows, low, high, begin):
+    """The same among the intervals from ``low`` up to ``high``."""
     start = low
     while low < high:
         middle = (low + high) // 2
@@ -158,6 +157,15 @@ def latest_arrival(windows, body, begin):
         else:
             high = middle
     return min(begin, windows.latest[low - 1]) if low > start else -np.inf
+
+
+@inlined
+def latest_arrival(windows, body, begin):
+    """Latest arrival whose service begins by a time; −inf for none [s]."""
+    low, high = windows.first[body], windows.first[body + 1]
+    if high - low > 1:
+        return _latest_among(windows, low, high, begin)
+    return min(begin, windows.latest[low]) if windows.opens[low] <= begin else -np.inf
 
 
 @kernel

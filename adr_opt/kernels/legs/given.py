@@ -10,7 +10,7 @@ import numpy as np
 
 from ..core.compile import inlined, kernel
 from ..core.events import earliest_taken
-from ..core.lists import chosen, filled, ranks
+from ..core.lists import chosen, filled, first_at, ranks
 from .found import GIVEN, ConnectionArrays
 
 
@@ -37,13 +37,7 @@ def leg_of(departures, arrivals, first, last, ready):
     earliest = earliest_taken(ready)
     if first == last or departures[last - 1] < earliest:
         return math.inf, math.inf
-    low, high = first, last - 1
-    while low < high:
-        middle = (low + high) // 2
-        if departures[middle] < earliest:
-            low = middle + 1
-        else:
-            high = middle
+    low = first_at(departures, first, last - 1, earliest)
     # The first breakpoint that is not missed; at one that is met within the slack there is no
     # arithmetic, so that rounding does not decide whether it is met.
     if low == first or departures[low] <= ready:

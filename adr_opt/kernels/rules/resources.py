@@ -12,9 +12,8 @@ Code that relaxes or sorts resources has no sets of them to compare, and says so
 whole slots, sixteen at a time (:mod:`solvers.walks.sweeps`). Networks know the least that has been
 used by any way to a node (:mod:`solvers.models.solver_network`, the windows of `ortools`). Fronts
 along an order are staircases that are searched by halving (:mod:`.schedule`,
-:mod:`solvers.orders.fronts`). Labels along an order keep the resources that their position does not
-tell (:mod:`solvers.orders.timed_order`). That one *connection* dominates another is a rule of its
-own, of departures and arrivals (:mod:`adr_opt.kernels.legs.connections`).
+:mod:`solvers.orders.fronts`). That one *connection* dominates another is a rule of its own, of
+departures and arrivals (:mod:`adr_opt.kernels.legs.connections`).
 """
 
 from typing import Any, NamedTuple

@@ -25,7 +25,7 @@ import numpy as np
 
 from ..core.compile import inlined, kernel
 from ..core.events import earliest_taken
-from ..core.lists import chosen, rising, wider
+from ..core.lists import chosen, first_at, rising, wider
 from ..core.windows import Windows, service_end
 from .falls import Falls, lost_at
 from .resources import Resources, extend
@@ -38,13 +38,7 @@ def _into(staircase_left, staircase_cost, names, size, left, cost, name):
     −1 means that a stair is at least as good. This is :func:`.resources.dominates`, with the cost,
     for labels sorted by ready time and with equal cargo: bisection finds the one stair to compare.
     """
-    low, high = 0, size
-    while low < high:
-        middle = (low + high) // 2
-        if staircase_left[middle] < left:
-            low = middle + 1
-        else:
-            high = middle
+    low = first_at(staircase_left, 0, size, left)
     # Stairs from ``low`` on have as much left: the first is the cheapest of them.
     if low < size and staircase_cost[low] <= cost:
         return -1
@@ -193,13 +187,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
         lost = lost_at(falls, body, end)
         # The stairs that can afford it; where the tank is filled the cheapest of them is enough, if
         # all pay as much.
-        low, high = 0, size
-        while low < high:
-            middle = (low + high) // 2
-            if front_left[middle] < delta_v[c]:
-                low = middle + 1
-            else:
-                high = middle
+        low = first_at(front_left, 0, size, delta_v[c])
         last = min(low + 1, size) if refuels and alike else size
         for stair in range(low, last):
             here = Resources(departure[c], _capped(caps, c, front_left[stair]), 0, 0, kits)
