@@ -4,6 +4,7 @@ python bench/scale.py timetable
 python bench/scale.py targets                             # nominal, 50 to 10,000 targets
 python bench/scale.py targets --dense --targets 200 500   # against the table of all pairs
 python bench/scale.py targets --family large --targets 1500 --chasers 2
+python bench/scale.py limits --targets 50 500 1000 5000   # every method by rows and by orbits
 """
 
 from __future__ import annotations
@@ -13,17 +14,22 @@ import resource
 import subprocess
 import sys
 import time
+from itertools import product
 from statistics import fmean, median
+from typing import Literal
 
 import numpy as np
-from fields import INSTANCES
+from fields import INSTANCES, on_rows
 from tables import alone, experiment, head, row, times_s
 
 import adr_opt
+from adr_opt.common.clock import now_s
 from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import MaxIterations
 from adr_opt.mission.problem import Problem
+from adr_opt.problem.support import follows_all
+from adr_opt.run.methods import PLANNERS, names, spec
 from adr_opt.run.table_budget import looked_at
 from solvers.progress.gap import GapTracker
 from solvers.proof.proof import Proof, ProofOptions
@@ -150,5 +156,62 @@ def targets(
             print(f"\n{key} grows as targets^{slope:.2f} from 1000 targets on")
 
 
+def _within(kind: str, targets: int, method: str, limit_s: float, seed: int) -> dict[str, float]:
+    """Plan one field within a limit: time of the first plan and of everything, and the prizes."""
+    for practised in (adr_opt.generate("tiny", 0), on_rows(12)):
+        adr_opt.solve(practised, method, time_limit=2.0)
+    orbits = kind == "orbits"
+    instance = adr_opt.generate("nominal", seed, targets=targets) if orbits else on_rows(targets)
+    first, began = [math.nan], now_s()
+
+    def heard(incumbent: float, bound: float) -> None:
+        if math.isnan(first[0]) and incumbent > -math.inf:
+            first[0] = now_s() - began
+
+    result = adr_opt.solve(instance, method, time_limit=limit_s, progress=heard, seed=seed)
+    took_s = now_s() - began
+    return {
+        "first_s": took_s if math.isnan(first[0]) else first[0],
+        "took_s": took_s,
+        "prizes": result.objective,
+        "violations": 0 if result.plan is None else len(adr_opt.check(instance, result.plan)),
+    }
+
+
+def limits(
+    kinds: tuple[Literal["rows", "orbits"], ...] = ("rows", "orbits"),
+    targets: tuple[int, ...] = (50, 500, 1000, 5000),
+    limit: tuple[float, ...] = (1.0, 10.0, 30.0),
+    methods: tuple[str, ...] = (),
+    seed: int = 0,
+) -> None:
+    """How long every method takes within each limit, and when it has its first plan.
+
+    Every run is a process of its own, in which the method has practised. *Late* marks those that
+    take more than 1.2 times the limit and half a second.
+    """
+    head("field", "method", "limit", "first plan", "all", "prizes", "violations", "")
+    for kind, count, method in product(kinds, targets, methods or names(PLANNERS)):
+        for limit_s in limit:
+            if not follows_all(_sample(kind), spec(method).follows):
+                continue
+            found = alone(_within, kind, count, method, limit_s, seed)
+            row(
+                f"{count} by {kind}",
+                method,
+                f"{limit_s:g} s",
+                f"{found['first_s']:.2f} s",
+                f"{found['took_s']:.2f} s",
+                f"{found['prizes']:g}",
+                f"{found['violations']:g}",
+                "late" if found["took_s"] > 1.2 * limit_s + 0.5 else "",
+            )
+
+
+def _sample(kind: str) -> adr_opt.Instance:
+    """A small field of a kind."""
+    return on_rows(5) if kind == "rows" else adr_opt.generate("tiny", 0)
+
+
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, timetable, targets))
+    sys.exit(experiment(__doc__, timetable, targets, limits))
