@@ -92,9 +92,7 @@ def on_rows(targets: int, near: int = 50, seed: int = 0) -> Instance:
             for name, at in zip(names[1:], opens.tolist(), strict=True)
         ),
         chasers=(
-            Chaser(
-                name="van", start=AtStation(station="depot"), tank=Tank(delta_v_m_s=5000.0)
-            ),
+            Chaser(name="van", start=AtStation(station="depot"), tank=Tank(delta_v_m_s=5000.0)),
         ),
         mission=MissionSettings(duration_s=86_400.0, service_s=300.0, refuel_revolutions=0.0),
         transfer=TransferSettings(given=GivenFile(file="rows.parquet")),

@@ -210,6 +210,7 @@ class Instance(Shown, InstanceFile):
 
     @cached_property
     def numbering(self) -> Numbering:
+        """The bodies in order of their numbers."""
         return Numbering(self.stations, self.chasers, self.targets)
 
     @property

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from adr_opt.common.progress import Progress
-from adr_opt.common.stop import Clock, Stop
+from adr_opt.common.stop import Clock, Stop, TimeIsOver
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
@@ -92,6 +92,7 @@ class RouteSearches:
         self._beams, self._beams_apart = Beams(mission, stop), Beams(mission, stop)
         self._widest = 0
         self._strings: Strings | None = None
+        self._too_large = False
         self._fruitless = 0
         self._beside: Strings | None = None
         self._found = Incumbent(mission)
@@ -230,8 +231,13 @@ class RouteSearches:
         """
         if not (self.drifts and self._mission.total_worth > 0.0):
             return
-        if self._strings is None and self._stop.remaining_s() > 0.0:
-            self._strings = Strings(self._mission, int(self._rng.integers(2**31)), self._stop)
+        if self._strings is None and not self._too_large and self._stop.remaining_s() > 0.0:
+            seed = int(self._rng.integers(2**31))
+            try:
+                self._strings = Strings(self._mission, seed, self._stop)
+            except TimeIsOver:
+                self._too_large = True
+                return
             self._strings.begin(self._certificate.sequence or ())
         if self._strings is None or self._certificate.proven or self._stop.remaining_s() <= 0.0:
             return
