@@ -28,6 +28,7 @@ from ..proof.large_proof import LargeProof
 from ..proof.proof import Proof, ProofOptions, proof_of
 from ..routes.engine_rounds import EngineRounds
 from ..walks.latest_times import Latest
+from .label_setting import least_cost
 from .options import AutoOptions
 from .rounds import Task, run
 
@@ -379,11 +380,18 @@ def plan(
     counters["rounds"] = rounds
     if prover is not None:
         counters |= prover.counters
+    cost_bound = None
+    if options.goals.cost:
+        cost_bound, counted = least_cost(
+            method, given, certificate, stop, seed=seed, options=options, by_rounds=True
+        )
+        counters |= counted
     stated = certificate.stated
     return certificate.result(
         method,
         seed=seed,
         counters=counters,
         upper_bound=stated,
+        cost_bound=cost_bound,
         notes=proof_notes(mission) if math.isfinite(stated) else (),
     )
