@@ -65,11 +65,11 @@ def eccentric(instance: Instance, most: float, seed: int) -> Instance:
     return instance.replace(dynamics="j2", targets=targets)
 
 
-def on_rows(targets: int, near: int = 50, seed: int = 0) -> Instance:
-    """A day among scattered places, by given connections every ten minutes to the nearest."""
+def on_rows(targets: int, near: int = 30, seed: int = 0) -> Instance:
+    """A day among scattered places, by given connections every twenty minutes to the nearest."""
     rng = np.random.default_rng([seed, targets])
     points = rng.uniform(0.0, np.sqrt(targets), (targets + 1, 2))
-    leaves = np.arange(0.0, 86_400.0, 600.0)
+    leaves = np.arange(0.0, 86_400.0, 1200.0)
     parts = []
     for body, point in enumerate(points):
         apart = np.hypot(*(points - point).T)
