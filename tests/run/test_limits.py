@@ -1,4 +1,4 @@
-"""Time limits: every method asks often whether it is over, and trims by work and not by the clock."""
+"""Time limits: every method asks often whether it is over, and trims by work, not by the clock."""
 
 from __future__ import annotations
 
@@ -30,9 +30,11 @@ class Asked:
         self._end, self.longest_s = self._last + LIMIT_S, 0.0
 
     def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether to stop."""
         return self.remaining_s() <= 0.0
 
     def remaining_s(self) -> float:
+        """Remaining processor time [s]."""
         now = time.process_time()
         self.longest_s = max(self.longest_s, now - self._last)
         self._last = now
