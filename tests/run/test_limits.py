@@ -16,7 +16,7 @@ from adr_opt.problem.instance import Instance
 from adr_opt.problem.support import follows_all
 from adr_opt.run.methods import PLANNERS, names, spec
 
-MOST_S = 0.6
+MOST_S = 0.8
 """Most processor time between two questions whether the time is over [s]."""
 
 LIMIT_S = 0.25
