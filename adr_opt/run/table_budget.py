@@ -221,13 +221,16 @@ def candidates(
     affordable = whole_s <= (1.0 if needs_all else PATIENCE) * allowed_s
     given_up_s = max(LEAST_S, limit_s if needs_all else GIVEN_UP * limit_s)
 
+    most = None if affordable else min(size.pairs, int(allowed_s * cores / size.pair_s))
+    share = 1.0 if most is None else most / size.pairs
+
     def enough(done: float) -> bool:
         building(done)
+        late = interrupted() or now_s() - began > given_up_s
         # A quick one is worth the moment: without it there is no plan at all.
-        ends = interrupted() and (1.0 - done) * whole_s > MOMENT_S
-        return ends or now_s() - began > given_up_s
+        return late and (share - done) * whole_s > MOMENT_S
 
-    pairs = most = None
+    pairs = None
     slots = size.slots(table_bytes)
     if first is not None and not (on_demand and (slots < size.bodies or not affordable)):
         if hasty and not (affordable and slots >= size.bodies):
@@ -235,8 +238,6 @@ def candidates(
         pairs = nearest_pairs(whole.instance, first, slots)
     if first is not None and slots < size.bodies:
         whole.connecting.kept.limit(min(size.room_bytes, table_bytes))
-    if not affordable:
-        most = min(size.pairs, int(allowed_s * cores / size.pair_s))
     built = pairs is not None or not on_demand
     if built:
         whole.build(pairs, enough, most)
