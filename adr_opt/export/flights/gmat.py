@@ -23,6 +23,7 @@ import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...common.errors import InputError
+from ...common.wording import printable
 from ...fly.trajectory.axes import Axes, axes_of
 from ...fly.trajectory.bodies import body_states
 from ...fly.trajectory.clock import UtcClock
@@ -42,7 +43,7 @@ from .gmat_thrust import (
     pushed,
     whole_millisecond,
 )
-from .kvn import WIDTH, plain
+from .kvn import WIDTH
 
 States = Callable[[str | None], Iterator[tuple[str, str]]]
 
@@ -149,7 +150,7 @@ def _lines(
     ends = {name for leg in course.legs for name in (leg.origin, leg.destination)}
     names = {body: _name(instance, body) for body in instance.names if body in ends}
     for sentence in course.said:
-        for line in textwrap.wrap(plain(sentence), WIDTH):
+        for line in textwrap.wrap(printable(sentence), WIDTH):
             yield f"% {line}"
     yield from _earth(system)
     for spacecraft, body in [(CHASER, None), *((names[body], body) for body in names)]:
@@ -261,7 +262,7 @@ def _leg(
 ) -> Generator[str, None, float]:
     """Coasts, manoeuvres and docking of a leg from a time on [s]; returns its end."""
     yield ""
-    yield f"% {plain(f'Leg {leg.number}: {leg.origin} to {leg.destination}')}"
+    yield f"% {printable(f'Leg {leg.number}: {leg.origin} to {leg.destination}')}"
     phase = "wait"
     if course.propulsion is not None:
         yield fuelled(course, leg, CHASER)
@@ -304,7 +305,7 @@ def _spacecraft(
     instance: Instance, system: str, name: str, body: str | None, start_s: float, state: States
 ) -> Iterator[str]:
     epoch = datetime.fromisoformat(UtcClock(instance).label(start_s))
-    yield "% the chaser" if body is None else f"% {plain(body)}"
+    yield "% the chaser" if body is None else f"% {printable(body)}"
     yield f"Create Spacecraft {name};"
     yield f"GMAT {name}.DateFormat = UTCGregorian;"
     yield f"GMAT {name}.Epoch = '{gregorian(epoch)}';"
