@@ -94,7 +94,7 @@ def ppo(
     threads = options.jobs or usable_cores()
     learned = load_policy(options.policy or SHIPPED, threads)
     learned.check_size(len(mission.names) - 1)
-    if mission.timetable.table.slot.size:
+    if mission.timetable.pairs.near.shape[1] < len(mission.names) - 1:
         raise InputError(
             f"ppo plans on the timetable of all pairs, and {len(mission.names)} bodies are too "
             "many for that; take fewer targets, or another method"
