@@ -181,8 +181,9 @@ class Enumeration:
 
     def _of_set(self, mask: int) -> FloatArray:
         """The least mass at the launch of a mission, by its first and last arrival."""
-        found = [self._least[mask, i] for i in _members(mask, self._targets)]
-        return np.min(np.stack(found), axis=0)
+        own = [self._least[mask, i] for i in _members(mask, self._targets)]
+        found: FloatArray = np.min(np.stack(own), axis=0)
+        return found
 
     def cheapest(
         self, price: Callable[[FloatArray, int], FloatArray], most: int, apart: int | None
@@ -272,11 +273,11 @@ class Enumeration:
             order.append(j)
             arrivals.append(then)
             i = j
-        steps = [
+        there, leaving = (
             self._coarse.every * (self._coarse.first + np.array(each, np.int64))
             for each in (arrivals, departures)
-        ]
-        return tuple(self._first + j for j in order), MissionTimes(*steps, total)
+        )
+        return tuple(self._first + j for j in order), MissionTimes(there, leaving, total)
 
 
 def _since(cost: FloatArray, done: int, gap: int | None) -> FloatArray:
