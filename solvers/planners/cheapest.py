@@ -53,7 +53,9 @@ def cheapest(
     if not certificate.proven or certificate.routes is None or (by_rounds and over()):
         return None, {}
     if problem.instance.objective.cost != "duration":
-        return prove(over) if problem.falls is None else (None, {})
+        # Of several chasers the last step would take a route's worth for its greatest.
+        knows = problem.falls is None or problem.alone is not None
+        return prove(over) if knows else (None, {})
     if by_rounds and stop.remaining_s() == float("inf"):
         return None, {}  # it asks for whole plans, not for rounds
     return prove_end(

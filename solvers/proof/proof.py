@@ -356,7 +356,8 @@ def prove_cost(
         most_labels=options.most_labels,
     )
     bound, counters = settled(proof, enough)
-    certificate.cost_evidence = proof.evidence
+    if mission.falls is None:  # what is lost has been looked ahead for, and `verify` does not
+        certificate.cost_evidence = proof.evidence
     return bound, counters
 
 
