@@ -15,11 +15,13 @@ import numpy as np
 
 import adr_opt
 from adr_opt import Instance, Plan
+from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.common.errors import InputError
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.problem.bodies import Station, Target
 from adr_opt.problem.chasers import AtStation, Chaser, Tank
 from adr_opt.problem.given import of_rows
+from adr_opt.problem.orbit import Orbit
 from adr_opt.problem.settings import GivenFile, MissionSettings, TransferSettings
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -98,6 +100,38 @@ def on_rows(targets: int, near: int = 30, seed: int = 0) -> Instance:
         transfer=TransferSettings(given=GivenFile(file="rows.parquet")),
     )
     return instance.with_given(of_rows(rows, names))
+
+
+def like(what: str, seed: int) -> Instance:
+    """A drawn field under J2 that is like objects of one origin.
+
+    ``Cosmos 2251``: the other cloud of the collision that the family ``cloud`` is drawn from, of
+    the same shape and 12.4° less inclined. ``SL-8``: stages of 930 to 990 km with eccentricities up
+    to 0.004, their planes as wide.
+    """
+    field, rng = adr_opt.generate("cloud", seed), np.random.default_rng(seed)
+
+    def moved(orbit: Orbit) -> Orbit:
+        if what == "Cosmos 2251":
+            return orbit.replace(inclination_deg=orbit.inclination_deg - 12.4)
+        return orbit.replace(
+            semi_major_axis_m=EARTH_RADIUS_M + 1e3 * float(rng.uniform(930.0, 990.0)),
+            inclination_deg=float(rng.uniform(82.9, 83.0)),
+            eccentricity=0.004 * float(rng.random()),
+        )
+
+    (station,) = field.stations
+    home = station.orbit.replace(inclination_deg=74.04 if what == "Cosmos 2251" else 82.95)
+    return field.replace(
+        name=f"{what}-like {seed}",
+        dynamics="j2",
+        stations=(station.replace(orbit=home),),
+        targets=tuple(
+            target.replace(orbit=moved(target.orbit))
+            for target in field.targets
+            if target.orbit is not None
+        ),
+    )
 
 
 def imported(catalogue: Path, options: str) -> Instance:

@@ -448,7 +448,7 @@ def _disposals(instance: Instance) -> set[str]:
 
 def _rules_in_words(instance: Instance) -> list[str]:
     """Unusual requirements of an instance: times, ends, numbers."""
-    windows = sum(target.window_s != (0.0, None) for target in instance.targets)
+    windows = sum(instance.is_limited(target) for target in instance.targets)
     required = sum(target.required for target in instance.targets)
     rules = [said for chaser in instance.chasers for said in _rules_of(instance, chaser)]
     if required:
