@@ -22,11 +22,16 @@ MOST_S = 0.8
 LIMIT_S = 0.25
 
 
+def _spent_s() -> float:
+    """Processor time of this process, without what compiling and loading of kernels takes [s]."""
+    return time.process_time() - sum(seconds() for seconds in clock._pauses)
+
+
 class Asked:
     """Ends after some processor time, and notes the most between two questions."""
 
     def __init__(self) -> None:
-        self._last = time.process_time()
+        self._last = _spent_s()
         self._end, self.longest_s = self._last + LIMIT_S, 0.0
 
     def __call__(self, incumbent: float, bound: float) -> bool:
@@ -35,7 +40,7 @@ class Asked:
 
     def remaining_s(self) -> float:
         """Remaining processor time [s]."""
-        now = time.process_time()
+        now = _spent_s()
         self.longest_s = max(self.longest_s, now - self._last)
         self._last = now
         return self._end - now
