@@ -231,12 +231,14 @@ def candidates(
         return late and (share - done) * whole_s > MOMENT_S
 
     pairs = None
-    slots = size.slots(table_bytes)
+    slots = room = size.slots(table_bytes)
+    if most is not None:  # none for what is not built
+        slots = min(slots, WAVE * max(1, math.ceil(most / (size.bodies * WAVE))))
     if first is not None and not (on_demand and (slots < size.bodies or not affordable)):
         if hasty and not (affordable and slots >= size.bodies):
             slots = min(slots, WAVE)
         pairs = nearest_pairs(whole.instance, first, slots)
-    if first is not None and slots < size.bodies:
+    if first is not None and room < size.bodies:
         whole.connecting.kept.limit(min(size.room_bytes, table_bytes))
     built = pairs is not None or not on_demand
     if built:
