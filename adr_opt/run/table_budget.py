@@ -215,7 +215,8 @@ def candidates(
         return TableBudget(whole, 0.0, 0.0)
     began, size = now_s(), estimate(whole.instance)
     on_demand = on_demand and may_work_on_demand(whole)
-    needs_all, cores = first is None, usable_cores()
+    # Rows that are given are looked up in Python, one thread at a time.
+    needs_all, cores = first is None, 1 if whole.instance.given is not None else usable_cores()
     allowed_s = max(LEAST_S, limit_s if needs_all else SHARE * limit_s)
     whole_s = size.build_s / cores
     affordable = whole_s <= (1.0 if needs_all else PATIENCE) * allowed_s
