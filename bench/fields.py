@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,11 @@ from adr_opt import Instance, Plan
 from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.common.errors import InputError
 from adr_opt.mission.problem import Problem, problem_of
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import AtStation, Chaser, Tank
+from adr_opt.problem.given import of_rows
 from adr_opt.problem.orbit import Orbit
+from adr_opt.problem.settings import GivenFile, MissionSettings, TransferSettings
 
 ROOT = Path(__file__).resolve().parents[1]
 INSTANCES = ROOT / "instances"
@@ -60,6 +65,41 @@ def eccentric(instance: Instance, most: float, seed: int) -> Instance:
         if target.orbit is not None
     )
     return instance.replace(dynamics="j2", targets=targets)
+
+
+def on_rows(targets: int, near: int = 30, seed: int = 0) -> Instance:
+    """A day among scattered places, by given connections every twenty minutes to the nearest."""
+    rng = np.random.default_rng([seed, targets])
+    points = rng.uniform(0.0, np.sqrt(targets), (targets + 1, 2))
+    leaves = np.arange(0.0, 86_400.0, 1200.0)
+    parts = []
+    for body, point in enumerate(points):
+        apart = np.hypot(*(points - point).T)
+        there = np.argsort(apart, kind="stable")[1 : near + 1]
+        there = there[there > 0]
+        takes = np.repeat(600.0 + 3000.0 * apart[there], leaves.size)
+        departs = np.tile(leaves, there.size)
+        ends = np.full(departs.size, body), np.repeat(there, leaves.size)
+        parts.append((*ends, departs, departs + takes, takes / 100.0))
+    names = ["depot", *(f"place-{place}" for place in range(1, targets + 1))]
+    columns = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
+    rows = dict(zip(columns, map(np.concatenate, zip(*parts, strict=True)), strict=True))
+    opens = rng.uniform(0.0, 60_000.0, targets)
+    instance = Instance(
+        name=f"rows-{targets}-{seed}",
+        epoch=datetime(2026, 1, 1, tzinfo=UTC),
+        stations=(Station(name="depot"),),
+        targets=tuple(
+            Target(name=name, prize=float(rng.integers(1, 51)), window_s=(at, at + 20_000.0))
+            for name, at in zip(names[1:], opens.tolist(), strict=True)
+        ),
+        chasers=(
+            Chaser(name="van", start=AtStation(station="depot"), tank=Tank(delta_v_m_s=5000.0)),
+        ),
+        mission=MissionSettings(duration_s=86_400.0, service_s=300.0, refuel_revolutions=0.0),
+        transfer=TransferSettings(given=GivenFile(file="rows.parquet")),
+    )
+    return instance.with_given(of_rows(rows, names))
 
 
 def like(what: str, seed: int) -> Instance:

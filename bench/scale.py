@@ -4,6 +4,8 @@ python bench/scale.py timetable
 python bench/scale.py targets                             # nominal, 50 to 10,000 targets
 python bench/scale.py targets --dense --targets 200 500   # against the table of all pairs
 python bench/scale.py targets --family large --targets 1500 --chasers 2
+python bench/scale.py limits --targets 50 500 1000 5000   # every method by rows and by orbits
+python bench/scale.py paces                               # work of a timetable, in seconds
 """
 
 from __future__ import annotations
@@ -13,18 +15,27 @@ import resource
 import subprocess
 import sys
 import time
+from itertools import product
 from statistics import fmean, median
+from typing import Literal
 
 import numpy as np
-from fields import INSTANCES
-from tables import alone, experiment, head, row, times_s
+from fields import INSTANCES, on_rows
+from tables import alone, experiment, head, row, timed, times_s
 
 import adr_opt
+from adr_opt.common.clock import count_processor_time, now_s
 from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import MaxIterations
+from adr_opt.kernels.tables.timetable_making import WAVE
+from adr_opt.legs.connection_finder import estimate
+from adr_opt.legs.nearest_pairs import nearest_pairs
 from adr_opt.mission.problem import Problem
+from adr_opt.problem.support import follows_all
+from adr_opt.run.methods import PLANNERS, names, spec
 from adr_opt.run.table_budget import looked_at
+from adr_opt.sources.generator.families import FAMILIES
 from solvers.progress.gap import GapTracker
 from solvers.proof.proof import Proof, ProofOptions
 
@@ -150,5 +161,94 @@ def targets(
             print(f"\n{key} grows as targets^{slope:.2f} from 1000 targets on")
 
 
+def paces(families: tuple[str, ...] = (), pairs: int = 200) -> None:
+    """Time to build a pair of a timetable on one core, per departure event, by processor time."""
+    head("field", "events", "connections of a pair", "a pair", "per event", "expected")
+    fields = {name: adr_opt.generate(name, 0) for name in families or FAMILIES}
+    if not families:
+        fields["rows"] = on_rows(200)
+    for name, instance in fields.items():
+        size, near = estimate(instance), nearest_pairs(instance, (), WAVE)
+        adr_opt.Timetable(instance, 1, pairs=near, most=pairs)  # kernels are loaded
+        built, _, spent = timed(
+            lambda: adr_opt.Timetable(instance, 1, pairs=near, most=pairs)  # noqa: B023
+        )
+        row(
+            name,
+            size.events,
+            f"{sum(built.connecting.counts.values()) / built.built:.0f}",
+            f"{spent / built.built * 1e6:.0f} µs",
+            f"{spent / built.built / size.events * 1e6:.2f} µs",
+            f"{size.event_s * 1e6:.2f} µs",
+        )
+
+
+def _within(
+    kind: str, targets: int, method: str, limit_s: float, seed: int, processor: bool
+) -> dict[str, float]:
+    """Plan one field within a limit: time of the first plan and of everything, and the prizes."""
+    for practised in (adr_opt.generate("tiny", 0), on_rows(12)):
+        adr_opt.solve(practised, method, time_limit=2.0)
+    orbits = kind == "orbits"
+    instance = (
+        adr_opt.generate("nominal", seed, targets=targets)
+        if orbits
+        else on_rows(targets, seed=seed)
+    )
+    if processor:
+        count_processor_time()
+    first, began = [math.nan], now_s()
+
+    def heard(incumbent: float, bound: float) -> None:
+        if math.isnan(first[0]) and incumbent > -math.inf:
+            first[0] = now_s() - began
+
+    result = adr_opt.solve(instance, method, time_limit=limit_s, progress=heard, seed=seed)
+    took_s = now_s() - began
+    return {
+        "first_s": took_s if math.isnan(first[0]) else first[0],
+        "took_s": took_s,
+        "prizes": result.objective,
+        "violations": 0 if result.plan is None else len(adr_opt.check(instance, result.plan)),
+    }
+
+
+def limits(
+    kinds: tuple[Literal["rows", "orbits"], ...] = ("rows", "orbits"),
+    targets: tuple[int, ...] = (50, 500, 1000, 5000),
+    limit: tuple[float, ...] = (1.0, 10.0, 30.0),
+    methods: tuple[str, ...] = (),
+    seed: int = 0,
+    processor: bool = False,
+) -> None:
+    """How long every method takes within each limit, and when it has its first plan.
+
+    Every run is a process of its own, in which the method has practised. *Late* marks those that
+    take more than 1.2 times the limit and half a second. With `--processor` all times, and the
+    limit, are those of processors, of all threads together, whatever else the machine does.
+    """
+    head("field", "method", "limit", "first plan", "all", "prizes", "violations", "")
+    for kind, count, method in product(kinds, targets, methods or names(PLANNERS)):
+        for limit_s in limit:
+            if not follows_all(_sample(kind), spec(method).follows):
+                continue
+            found = alone(_within, kind, count, method, limit_s, seed, processor)
+            row(
+                f"{count} by {kind}",
+                method,
+                f"{limit_s:g} s",
+                f"{found['first_s']:.2f} s",
+                f"{found['took_s']:.2f} s",
+                f"{found['prizes']:g}",
+                f"{found['violations']:g}",
+                "late" if found["took_s"] > 1.2 * limit_s + 0.5 else "",
+            )
+
+
+def _sample(kind: str) -> adr_opt.Instance:
+    """A small field of a kind."""
+    return on_rows(5) if kind == "rows" else adr_opt.generate("tiny", 0)
+
+
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, timetable, targets))
+    sys.exit(experiment(__doc__, timetable, targets, paces, limits))

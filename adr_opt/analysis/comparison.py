@@ -36,7 +36,8 @@ class Side:
         As the instance counts it.
     delta_v_m_s, end_s : float
         Of all legs; of the last service.
-    upper_bound, gap : float or None
+    upper_bound, gap, cost_bound, cost_gap : float or None
+    cost_status : str or None
     violations : int
         What `check` finds.
     """
@@ -53,6 +54,9 @@ class Side:
     end_s: float
     upper_bound: float | None
     gap: float | None
+    cost_bound: float | None
+    cost_gap: float | None
+    cost_status: str | None
     violations: int
 
 
@@ -213,6 +217,9 @@ def _side(name: str, admitted: Admitted[Plan]) -> Side:
         end_s=max((leg.end_s for leg in plan.legs), default=0.0),
         upper_bound=plan.upper_bound,
         gap=plan.gap,
+        cost_bound=plan.cost_bound,
+        cost_gap=plan.cost_gap,
+        cost_status=plan.cost_status,
         violations=len(admitted.violations),
     )
 

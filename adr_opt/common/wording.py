@@ -46,6 +46,14 @@ def status_words(status: str) -> str:
     return "optimal (of the model)" if status == "optimal" else status
 
 
+def proof_words(status: str, cost_status: str | None) -> str:
+    """What is proven of a plan in words: of its prize, and of its cost at that prize."""
+    if status != "optimal":
+        return status
+    what = "prize and cost" if cost_status == "optimal" else "prize"
+    return f"optimal {what} (of the model)"
+
+
 def shortened(names: Iterable[str], width: int) -> dict[str, str]:
     """Names of at most ``width`` characters that stay distinguishable.
 

@@ -26,7 +26,7 @@ from .families import registry
 from .families.ends import AllEnds, is_regular
 from .families.family import FlownLeg, StatedLeg
 from .families.low_thrust import by_departure, lighter, of_mass
-from .timetable_size import Size
+from .timetable_size import GIVEN_S, LISTED_S, THRUST_S, Size
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -458,7 +458,7 @@ def estimate(instance: Instance) -> Size:
     duration, bodies = instance.mission.duration_s, len(instance.names)
     if instance.given is not None:
         most, rows = instance.given.sizes(instance.names)
-        return Size(bodies, most + 1, rows / max(1, bodies * (bodies - 1)))
+        return Size(bodies, most + 1, rows / max(1, bodies * (bodies - 1)), GIVEN_S)
     shortest = _shortest_spacing_s(instance)
     if not are_listed(instance):
         return Size(bodies, int(duration / shortest) + 2)
@@ -466,7 +466,8 @@ def estimate(instance: Instance) -> Size:
     events = duration / max(shortest, settings.departure_spacing_s) + 2
     if settings.max_drift_s > 0.0:
         events += duration / settings.drift_step_s
-    return Size(bodies, int(events), _listed(instance))
+    dear = instance.has_low_thrust or registry.registered_of(instance)
+    return Size(bodies, int(events), _listed(instance), THRUST_S if dear else LISTED_S)
 
 
 def _shortest_spacing_s(instance: Instance) -> float:

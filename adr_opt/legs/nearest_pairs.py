@@ -55,8 +55,9 @@ def nearest_pairs(instance: Instance, first: Sequence[str], ranks: int) -> Pairs
     """
     bodies = len(instance.names)
     ranks, middle_s = min(ranks, bodies - 1), 0.5 * instance.mission.duration_s
-    near = _given_near(instance) if instance.given is not None else _near(instance, ranks, middle_s)
-    return Pairs(np.array(_from_start(instance, first)), near[:, :ranks].astype(np.int32))
+    given = instance.given is not None
+    near = _given_near(instance, ranks) if given else _near(instance, ranks, middle_s)
+    return Pairs(np.array(_from_start(instance, first)), near.astype(np.int32))
 
 
 class Neighbours(NamedTuple):
@@ -100,7 +101,8 @@ def _from_start(instance: Instance, first: Sequence[str]) -> list[int]:
         places = places_of(instance, 0.5 * instance.mission.duration_s)
         away = [np.linalg.norm(places - places[home], axis=1) for home in set(instance.starts)]
     else:
-        away = [_given_from(instance, home) for home in set(instance.starts)]
+        costs = _given_costs(instance)
+        away = [costs.from_body(home, len(instance.names)) for home in set(instance.starts)]
     nearest = np.min(np.stack(away), axis=0)
     order = np.lexsort((nearest, _is_worthless(instance), np.array(unwanted)))
     return [*fixed, *(int(body) for body in order if body not in fixed)]
@@ -175,22 +177,55 @@ def _near(instance: Instance, ranks: int, time_s: float) -> npt.NDArray[np.int64
     return near
 
 
-def _given_from(instance: Instance, home: int) -> FloatArray:
-    """Least given cost from a body to each other; +inf without a connection."""
+class _GivenCosts(NamedTuple):
+    """Least given cost of each pair that has connections, in the order of the pairs.
+
+    Attributes
+    ----------
+    origin, destination : (pairs,) int64
+    cost : (pairs,) float64
+        [m/s].
+    """
+
+    origin: npt.NDArray[np.int64]
+    destination: npt.NDArray[np.int64]
+    cost: FloatArray
+
+    def from_body(self, home: int, bodies: int) -> FloatArray:
+        """Cost from a body to each; +inf without a connection."""
+        found = np.full(bodies, math.inf)
+        mine = self.origin == home
+        found[self.destination[mine]] = self.cost[mine]
+        return found
+
+
+def _given_costs(instance: Instance) -> _GivenCosts:
+    """Least given costs of an instance whose connections are given."""
     given = instance.given
     assert given is not None
-    there = [given.of_pair(instance.names[home], name)[2] for name in instance.names]
-    return np.array([each.min(initial=math.inf) for each in there])
+    number = {name: body for body, name in enumerate(instance.names)}
+    named = np.array([number.get(name, -1) for name in given.names], dtype=np.int64)
+    origin, destination = named[np.array(np.divmod(given.pairs.pair, max(named.size, 1)))]
+    known = (origin >= 0) & (destination >= 0)
+    return _GivenCosts(origin[known], destination[known], given.pairs.least[known])
 
 
-def _given_near(instance: Instance) -> npt.NDArray[np.int64]:
-    """Destinations of each body, nearest first by given costs."""
-    bodies, worthless = len(instance.names), _is_worthless(instance)
-    rows = []
+def _given_near(instance: Instance, ranks: int) -> npt.NDArray[np.int64]:
+    """Destinations of each body, nearest first by given costs, shape (bodies, ranks).
+
+    Stations come first, targets without a prize after the others, and those without a connection
+    last, where nothing is to be built.
+    """
+    bodies, (origin, destination, cost) = len(instance.names), _given_costs(instance)
+    worthless = _is_worthless(instance)[destination]
+    kind = np.where(destination < len(instance.stations), 0, 1 + worthless)
+    order = np.lexsort((destination, cost, kind, origin))
+    origin, destination = origin[order], destination[order]
+    begin = np.searchsorted(origin, np.arange(bodies + 1))
+    near = np.empty((bodies, ranks), dtype=np.int64)
     for i in range(bodies):
-        ranked = np.lexsort((_given_from(instance, i), worthless, np.arange(bodies) == i))
-        stations = ranked < len(instance.stations)
-        rows.append(np.concatenate([ranked[stations], ranked[~stations]]))
-    near = np.array(rows)
-    itself = near == np.arange(bodies)[:, None]
-    return np.take_along_axis(near, np.argsort(itself, axis=1, kind="stable"), axis=1)
+        there = destination[begin[i] : begin[i + 1]]
+        others = np.ones(bodies, dtype=np.bool_)
+        others[there] = others[i] = False
+        near[i] = np.concatenate([there, np.flatnonzero(others)])[:ranks]
+    return near

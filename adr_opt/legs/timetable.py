@@ -126,7 +126,7 @@ class Timetable(Shown):
         chosen = pairs
         wanted = size.bodies * (size.bodies - 1)
         limits = limits_of(instance, chaser, corrections)
-        most = chosen.near.size if most is None else most
+        most = chosen.near.size if most is None else min(most, chosen.near.size)
         threads = threads or usable_cores()
 
         def so_far(filled: int) -> bool:

@@ -29,6 +29,13 @@ TEMPORARY_BYTES = 8
 """Memory per pair of bodies while costs of eccentricity are computed [bytes]."""
 
 
+REGULAR_S, GIVEN_S, LISTED_S, THRUST_S = 1e-6, 6e-7, 8e-6, 25e-6
+"""Expected time of a departure event of a pair on one core, where events are regular, where
+connections are given, where planes drift, and with low thrust or legs of a registered family [s].
+
+By `bench/scale.py paces` 0.7, 0.5, 2 to 10 and 23 µs."""
+
+
 @dataclass(frozen=True)
 class Size:
     """Expected size of a timetable, without building it.
@@ -40,21 +47,39 @@ class Size:
         Most departure events of a pair.
     listed : float
         Connections of a pair that are kept, in the mean: where nodes drift by a sample.
+    event_s : float
+        Expected time to build a pair on one core, per event [s].
     """
 
     bodies: int
     events: int
     listed: float = 0.0
+    event_s: float = REGULAR_S
+
+    @property
+    def pairs(self) -> int:
+        """Number of pairs of bodies."""
+        return self.bodies * (self.bodies - 1)
+
+    @property
+    def pair_s(self) -> float:
+        """Expected time to build a pair on one core [s]."""
+        return self.events * self.event_s
+
+    @property
+    def build_s(self) -> float:
+        """Expected time to build all pairs on one core [s]."""
+        return self.pairs * self.pair_s
 
     @property
     def connections(self) -> int:
         """Approximate number of cached connections."""
-        return int(self.bodies * (self.bodies - 1) * self.listed)
+        return int(self.pairs * self.listed)
 
     @property
     def entries(self) -> int:
         """Maximum number of (pair, departure event) entries."""
-        return self.bodies * (self.bodies - 1) * self.events
+        return self.pairs * self.events
 
     @property
     def bytes(self) -> int:
@@ -99,7 +124,7 @@ class Size:
     @property
     def fits(self) -> bool:
         """Whether it fits in memory now, with the connections of some pairs cached at a time."""
-        pairs = min(PAIRS_AT_ONCE, self.bodies * (self.bodies - 1))
+        pairs = min(PAIRS_AT_ONCE, self.pairs)
         return BYTES_PER_CONNECTION * pairs * self.listed <= self.room_bytes
 
 

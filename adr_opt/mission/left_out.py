@@ -85,12 +85,13 @@ class _Limits:
         self, more: tuple[int, ...], *, tank: bool = False, time: bool = False, counts: bool = True
     ) -> bool:
         """Whether a larger tank, more time or more targets make moves possible."""
-        key = tank, time, counts
+        larger = tank or (time and not self._mission.connecting.depends_on_tank)
+        key = larger, time, counts
         if key not in self._known:
             mission = self._mission
             longer_s = LONGEST * mission.instance.mission.duration_s if time else None
             try:
-                chaser = with_tank(mission.chaser, LARGEST) if tank else mission.chaser
+                chaser = with_tank(mission.chaser, LARGEST) if larger else mission.chaser
                 made = Relaxed(mission, chaser, longer_s, windows=not time, counts=counts)
             except InputError:  # motion that is known for the time of the mission alone
                 made = None

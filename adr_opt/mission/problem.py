@@ -219,17 +219,20 @@ class Problem(Shown, Prizes):
         return self.missions[0].is_whole
 
     def build(
-        self, pairs: Pairs | None, enough: Callable[[float], bool] = lambda share: False
+        self,
+        pairs: Pairs | None,
+        enough: Callable[[float], bool] = lambda share: False,
+        most: int | None = None,
     ) -> None:
         """Build the timetables, of all pairs or of as many for each chaser as for the first.
 
         Parameters
         ----------
-        pairs, enough
+        pairs, enough, most
             As :class:`adr_opt.legs.timetable.Timetable` takes them.
         """
         first, *others = self.missions
-        first.build(pairs, enough)
+        first.build(pairs, enough, most)
         for mission in others:
             if not mission.has_timetable:
                 mission.build(first.timetable.pairs, most=first.timetable.built)

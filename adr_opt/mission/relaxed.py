@@ -81,9 +81,11 @@ class Relaxed:
         self._instance: Instance = instance.replace(chasers=chasers)
         limits = limits_of(self._instance, number)
         self._rules = mission.rules._replace(windows=limits.windows, duration=limits.duration)
-        connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
-        cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
-        made = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
+        made = mission.schedules
+        if duration_s is not None or mission.connecting.depends_on_tank:
+            connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
+            cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
+            made = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
         self._schedules = made.unpriced
         self._by_scale: dict[float, Scheduler] = {}
 

@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +36,27 @@ REMOVED = "exception"
 
 Costs = Callable[[int, npt.NDArray[np.int64], float], tuple[npt.ArrayLike, npt.ArrayLike]]
 """Durations [s] and costs from an origin to some destinations at a departure [s]."""
+
+
+class GivenPairs(NamedTuple):
+    """The pairs of bodies that have given connections, in order.
+
+    Attributes
+    ----------
+    pair : (pairs,) int64
+        Origin times the number of bodies, and destination.
+    first : (pairs + 1,) int64
+        First row of each, and the number of all rows.
+    departures : (pairs,) int64
+        Number of different ones of each.
+    least : (pairs,) float64
+        Least cost of each.
+    """
+
+    pair: npt.NDArray[np.int64]
+    first: npt.NDArray[np.int64]
+    departures: npt.NDArray[np.int64]
+    least: FloatArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,11 +95,15 @@ class Given(Shown):
         object.__setattr__(self, "_number", {name: at for at, name in enumerate(self.names)})
 
     @cached_property
-    def _first(self) -> npt.NDArray[np.int64]:
-        """First row of each pair."""
-        bodies = len(self.names)
-        pair = self.origin.astype(np.int64) * bodies + self.destination
-        return np.searchsorted(pair, np.arange(bodies**2 + 1))
+    def pairs(self) -> GivenPairs:
+        """The pairs that have connections."""
+        pair = self.origin.astype(np.int64) * len(self.names) + self.destination
+        begins = np.append(True, np.diff(pair) != 0)[: pair.size]
+        new = begins | np.append(True, np.diff(self.departure) != 0.0)[: pair.size]
+        first = np.flatnonzero(begins)
+        departures = np.add.reduceat(new, first, dtype=np.int64) if first.size else first
+        least = np.minimum.reduceat(self.cost, first) if first.size else self.cost
+        return GivenPairs(pair[first], np.append(first, pair.size), departures, least)
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -120,8 +145,11 @@ class Given(Shown):
         i, j = self._number.get(origin, -1), self._number.get(destination, -1)
         if min(i, j) < 0:
             return slice(0)
-        pair = i * len(self.names) + j
-        return slice(self._first[pair], self._first[pair + 1])
+        pair, pairs = i * len(self.names) + j, self.pairs
+        at = int(np.searchsorted(pairs.pair, pair))
+        if at == pairs.pair.size or pairs.pair[at] != pair:
+            return slice(0)
+        return slice(pairs.first[at], pairs.first[at + 1])
 
     def of_pair(self, origin: str, destination: str) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Departures, arrivals [s] and costs of a pair, in order; empty for unknown pairs."""
@@ -130,12 +158,12 @@ class Given(Shown):
 
     def sizes(self, names: Sequence[str]) -> tuple[int, int]:
         """Maximum number of departures of a pair of bodies, and number of all connections."""
-        known = np.array([name in set(names) for name in self.names], dtype=np.bool_)
-        mine = known[self.origin] & known[self.destination] if known.size else slice(0)
-        pair = self.origin[mine].astype(np.int64) * len(self.names) + self.destination[mine]
-        time = self.departure[mine]
-        new = np.append(True, (np.diff(pair) != 0) | (np.diff(time) != 0.0))[: time.size]
-        return int(np.bincount(pair[new]).max(initial=0)), int(time.size)
+        wanted, pairs = set(names), self.pairs
+        known = np.array([name in wanted for name in self.names], dtype=np.bool_)
+        origin, destination = np.divmod(pairs.pair, max(len(self.names), 1))
+        mine = known[origin] & known[destination]
+        rows = np.diff(pairs.first)[mine].sum()
+        return int(pairs.departures[mine].max(initial=0)), int(rows)
 
 
 def among(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -290,8 +291,9 @@ class Instance(Shown, InstanceFile):
             usual_is_a_limit=not is_given,
         )
 
-    @property
-    def _numbering(self) -> Numbering:
+    @cached_property
+    def numbering(self) -> Numbering:
+        """The bodies in order of their numbers."""
         return Numbering(self.stations, self.chasers, self.targets)
 
     @property
@@ -301,7 +303,7 @@ class Instance(Shown, InstanceFile):
         A chaser that is launched anywhere has none: an orbit stands there so that each body has
         one, and no transfer leads to it or from it (:attr:`launches`).
         """
-        return self._numbering.start_bodies
+        return self.numbering.start_bodies
 
     @property
     def launches(self) -> dict[int, float]:
@@ -335,22 +337,22 @@ class Instance(Shown, InstanceFile):
     @property
     def starts(self) -> tuple[int, ...]:
         """Number of each chaser's start body."""
-        return self._numbering.starts
+        return self.numbering.starts
 
     @property
     def first_target(self) -> int:
         """Number of the first target; stations and start orbits come before."""
-        return self._numbering.first_target
+        return self.numbering.first_target
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the bodies, in order of their numbers."""
-        return self._numbering.names
+        return self.numbering.names
 
     @property
     def known_orbits(self) -> tuple[Orbit | None, ...]:
         """Orbits of the bodies, in order of their numbers; None for bodies without one."""
-        return self._numbering.orbits
+        return self.numbering.orbits
 
     @property
     def body_orbits(self) -> tuple[Orbit, ...]:
@@ -371,7 +373,7 @@ class Instance(Shown, InstanceFile):
     @property
     def decays_m_per_day(self) -> tuple[float, ...]:
         """By what the semi-major axes of the bodies shrink, in order of their numbers."""
-        return self._numbering.decays_m_per_day
+        return self.numbering.decays_m_per_day
 
     def decay_of(self, body: str) -> float:
         """By what the semi-major axis of a body shrinks [m/day]."""

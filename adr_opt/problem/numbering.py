@@ -7,6 +7,7 @@ targets, in order.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from ..common.constants import EARTH_RADIUS_M
 from .bodies import Station, Target
@@ -32,7 +33,7 @@ class Numbering:
     chasers: tuple[Chaser, ...]
     targets: tuple[Target, ...]
 
-    @property
+    @cached_property
     def start_bodies(self) -> dict[str, Orbit]:
         """Chasers' own start orbits, by name of the chaser.
 
@@ -46,12 +47,12 @@ class Numbering:
             if not isinstance(chaser.start, AtStation)
         }
 
-    @property
+    @cached_property
     def first_target(self) -> int:
         """Number of the first target."""
         return len(self.stations) + len(self.start_bodies)
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the bodies."""
         return (
@@ -60,7 +61,7 @@ class Numbering:
             *(target.name for target in self.targets),
         )
 
-    @property
+    @cached_property
     def orbits(self) -> tuple[Orbit | None, ...]:
         """Orbits of the bodies; None for bodies without one."""
         return (
@@ -69,7 +70,7 @@ class Numbering:
             *(target.orbit for target in self.targets),
         )
 
-    @property
+    @cached_property
     def decays_m_per_day(self) -> tuple[float, ...]:
         """By what the semi-major axes of the bodies shrink."""
         starts = [chaser.start for chaser in self.chasers if chaser.name in self.start_bodies]
@@ -79,7 +80,7 @@ class Numbering:
             *(target.decay_m_per_day or 0.0 for target in self.targets),
         )
 
-    @property
+    @cached_property
     def starts(self) -> tuple[int, ...]:
         """Number of each chaser's start body."""
         names = self.names

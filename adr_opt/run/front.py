@@ -52,8 +52,12 @@ __all__ = [
 ]
 
 
-SHORT_S = 2.0
-"""Time that a timetable is not worth, if there is a plan without one [s]."""
+SHORT_S = 3.0
+"""Limit within which a timetable is not worth its time, if there is a plan without one [s]."""
+
+WRITING_S, WRITING_SHARE = 1e-4, 0.3
+"""Time kept for the plan's legs and for the reasons of targets left out, for each body, and at most
+as a share of the limit [s]."""
 
 
 def solve(  # noqa: PLR0913
@@ -293,11 +297,12 @@ def _run(
     bare = tours or (known.orders_all and bound is None and may_go_without(whole))
     if drifts and not whole.has_timetable and not bare:
         _announce(whole.instance, sizing)
-    criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
+    writing_s = min(WRITING_S * len(whole.names), WRITING_SHARE * wanted.time_limit)
+    criteria: list[Stop] = [MaxRuntime(max(wanted.time_limit - writing_s, 1e-9)), *others]
     begun = None
     if known.begins and start is None and not (bare or whole.has_timetable):
         begun = _begun(whole, named(known.begins), wanted.seed, AnyOf(*criteria), progress)
-        bare = begun is not None and bound is None and criteria[0].remaining_s() < SHORT_S
+        bare = begun is not None and bound is None and wanted.time_limit < SHORT_S
     # Some methods look at all pairs by themselves: what they prove is proven of all.
     of_all = known.bounds_all_pairs
     hasty = of_all and group == BOUNDS and whole.alone is not None

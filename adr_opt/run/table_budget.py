@@ -1,4 +1,8 @@
-"""Partial timetables, or none, where time or memory is short."""
+"""Partial timetables, or none, where time or memory is short.
+
+How many pairs there are is decided by how much work they are expected to be, not by the clock, so
+that a plan does not depend on what else the machine does.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ..common.clock import now_s
+from ..common.processors import usable_cores
 from ..kernels.tables.timetable import source_of
 from ..kernels.tables.timetable_making import WAVE
 from ..legs.connection_finder import estimate
@@ -30,8 +35,12 @@ RANKS = 300
 """Number of nearest destinations examined per body when rows are computed on demand; required
 targets are always added."""
 
-LEAST_S = 1.0
+LEAST_S = 0.6
 """Minimum build time, so that a short limit omits no pair of an ordinary field [s]."""
+
+GIVEN_UP = 0.8
+"""Share of a time limit after which building ends by the clock, on a machine that is far slower
+than expected."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +54,7 @@ class TableBudget:
     spent_s : float
         What the timetable took [s].
     whole_s : float
-        What it takes of all pairs, by the pace so far [s].
+        What it takes of all pairs, as expected [s].
     needed : bool
         Whether the method plans on it.
     """
@@ -204,37 +213,37 @@ def candidates(
     """
     if whole.has_timetable and (on_demand or not whole.missions[0].timetable.is_on_demand):
         return TableBudget(whole, 0.0, 0.0)
-    began = now_s()
+    began, size = now_s(), estimate(whole.instance)
     on_demand = on_demand and may_work_on_demand(whole)
-    allowed_s = max(LEAST_S, limit_s if first is None else SHARE * limit_s)
-    patience = 1.0 if first is None else PATIENCE
-    patient_s = MOMENT_S if hasty or on_demand else allowed_s
-    paced, whole_s = math.nan, 0.0
+    # Rows that are given are looked up in Python, one thread at a time.
+    needs_all, cores = first is None, 1 if whole.instance.given is not None else usable_cores()
+    allowed_s = max(LEAST_S, limit_s if needs_all else SHARE * limit_s)
+    whole_s = size.build_s / cores
+    affordable = whole_s <= (1.0 if needs_all else PATIENCE) * allowed_s
+    given_up_s = max(LEAST_S, limit_s if needs_all else GIVEN_UP * limit_s)
+
+    most = None if affordable else min(size.pairs, int(allowed_s * cores / size.pair_s))
+    share = 1.0 if most is None else most / size.pairs
 
     def enough(done: float) -> bool:
-        nonlocal paced, whole_s
         building(done)
-        now = now_s()
-        if math.isnan(paced):
-            paced = now  # kernels are loaded by now, which is no part of the pace
-        whole_s = (now - paced) / done
-        late = now - paced > patient_s and whole_s > patience * allowed_s
+        late = interrupted() or now_s() - began > given_up_s
         # A quick one is worth the moment: without it there is no plan at all.
-        return late or (interrupted() and paced + whole_s - now > MOMENT_S)
+        return late and (share - done) * whole_s > MOMENT_S
 
     pairs = None
-    if first is not None:
-        size = estimate(whole.instance)
-        slots = size.slots(table_bytes)
-        if hasty and slots < size.bodies:
+    slots = room = size.slots(table_bytes)
+    if most is not None:  # none for what is not built
+        slots = min(slots, WAVE * max(1, math.ceil(most / (size.bodies * WAVE))))
+    if first is not None and not (on_demand and (slots < size.bodies or not affordable)):
+        if hasty and not (affordable and slots >= size.bodies):
             slots = min(slots, WAVE)
-        if not (on_demand and slots < size.bodies):
-            pairs = nearest_pairs(whole.instance, first, slots)
-        if slots < size.bodies:
-            whole.connecting.kept.limit(min(size.room_bytes, table_bytes))
+        pairs = nearest_pairs(whole.instance, first, slots)
+    if first is not None and room < size.bodies:
+        whole.connecting.kept.limit(min(size.room_bytes, table_bytes))
     built = pairs is not None or not on_demand
     if built:
-        whole.build(pairs, enough)
+        whole.build(pairs, enough, most)
     if on_demand and not (built and whole.is_whole):
         required = sum(target.required for target in whole.instance.targets)
         whole.ask(neighbours(whole.instance, RANKS + required))

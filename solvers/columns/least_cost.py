@@ -17,7 +17,7 @@ Limits of stations are not looked at: bounds are of campaigns whose stations nev
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
 from typing import NamedTuple
@@ -280,6 +280,8 @@ class ColumnCost(CostRounds):
         problem, proven = self._problem, self._proven
         if proven is None or problem.instance.objective.cost != "delta-v":
             return None
+        if problem.instance.mission.mission_separation_s is not None:
+            return None  # not yet verifiable
         if proven.bound <= 0.0 or not is_least(self.bound, proven.bound):
             return None
         cuts = np.zeros(len(self._cuts.rows))
@@ -424,9 +426,21 @@ class ColumnCost(CostRounds):
 
 
 def prove_cost_by_columns(
-    problem: Problem, certificate: GapTracker, pool: RoutePool, stop: Stop, options: ProofOptions
+    problem: Problem,
+    certificate: GapTracker,
+    pool: RoutePool,
+    stop: Stop,
+    enough: Callable[[], bool],
+    options: ProofOptions,
 ) -> tuple[float, dict[str, float]]:
     """Prove a lower bound on the cost of plans with at least the incumbent's worth.
+
+    Parameters
+    ----------
+    problem, certificate, pool, stop, options
+        As :class:`ColumnCost` takes them.
+    enough : callable
+        Asked once a round.
 
     Returns
     -------
@@ -434,7 +448,7 @@ def prove_cost_by_columns(
     counters : dict
     """
     proof = ColumnCost(problem, certificate, pool, stop, options)
-    found = settled(proof, lambda: stop.remaining_s() <= 0.0)
+    found = settled(proof, enough)
     certificate.cost_evidence = proof.evidence
     return found
 

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.common.constants import HOUR_S
+from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.common.tolerance import ROUNDED
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.windows import service_ends
@@ -77,8 +78,14 @@ def _mark(found, limits, j, values, taken, wanted):
             wanted[taken[place]] = True
 
 
-def table_of(mission: Mission) -> ConnectionTable:
-    """The table of a mission with drifting nodes; builds its timetable."""
+def table_of(mission: Mission, stop: Stop | None = None) -> ConnectionTable:
+    """The table of a mission with drifting nodes; builds its timetable.
+
+    Raises
+    ------
+    TimeIsOver
+        The time of ``stop`` is over.
+    """
     rules, limits = mission.rules, mission.timetable.limits
     connecting = mission.timetable.connecting
     usual = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S
@@ -90,6 +97,8 @@ def table_of(mission: Mission) -> ConnectionTable:
     departures, ends, costs, orders = [], [], [], []
     count = 0
     for i, j in connecting.counts:
+        if stop is not None and stop.remaining_s() <= 0.0:
+            raise TimeIsOver
         found = connecting.found(i, j)
         taken = np.empty(found.departure.size, dtype=np.int64)
         wanted = np.empty(found.departure.size, dtype=np.bool_)

@@ -13,14 +13,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from adr_opt.common.memory import available_bytes
+from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.memory import borrowed
 
+from ..progress.halting import halted_by
 from .connection_table import ConnectionTable
 
 CELLS = 73
 """Number of time cells per mission: five days each if it takes a year."""
+
+PAIR_S, TIME_SHARE = 15e-6, 0.25
+"""Time of the bounds of a pair, and the most of the remaining time that all may take."""
+
+MEMORY_SHARE = 0.25
+"""Share of free memory that they may take."""
 
 SPANS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, CELLS)
 """Spans in cells for which bounds are kept; others use the next longer one."""
@@ -35,9 +44,11 @@ class Reach(NamedTuple):
         [s].
     rank : (CELLS + 1,) int64
         Index of the least span of at least this number of cells.
-    least : (bodies, bodies, spans, CELLS) float32
-        Least ΔV of the connections of a pair that leave and end within a span that begins with a
-        cell, +inf for none [m/s].
+    row : (bodies, bodies) int32
+        Number of each pair among those that have connections.
+    least : (pairs, spans, CELLS) float32
+        Least ΔV of the connections of such a pair that leave and end within a span that begins with
+        a cell, +inf for none [m/s].
     straight, shortest : (bodies, bodies) float64
         Least time from a departure to the end of the service at the destination, without a station
         on the way, and with one allowed [s].
@@ -47,6 +58,7 @@ class Reach(NamedTuple):
 
     cell_s: float
     rank: np.ndarray
+    row: np.ndarray
     least: np.ndarray
     straight: np.ndarray
     shortest: np.ndarray
@@ -74,38 +86,61 @@ def _by_span(connections, i, j, cell_s, spans, cheapest, least):
             cheapest[g, n] = min(cheapest[g, n], min(cheapest[g, n - 1], later))
     for rank in range(spans.size):
         for g in range(CELLS):
-            least[i, j, rank, g] = (1.0 - 1e-6) * cheapest[g, spans[rank] - 1]
+            least[rank, g] = (1.0 - 1e-6) * cheapest[g, spans[rank] - 1]
     return straight
 
 
 @kernel
-def _reach_of(connections, stations, duration, spans):
-    bodies = connections.total.shape[0]
-    cell_s = max(duration, 1.0) / CELLS
-    least = np.empty((bodies, bodies, spans.size, CELLS), np.float32)
+def _fill(connections, row, cell_s, spans, least, straight, halt):
+    """Fill in the bounds of all pairs that have connections."""
     cheapest = np.empty((CELLS, CELLS))
-    straight = np.empty((bodies, bodies))
-    for i in range(bodies):
-        for j in range(bodies):
-            straight[i, j] = _by_span(connections, i, j, cell_s, spans, cheapest, least)
+    for i in range(straight.shape[0]):
+        if halt[0]:
+            return
+        for j in range(straight.shape[0]):
+            if row[i, j] >= 0:
+                place = least[row[i, j]]
+                straight[i, j] = _by_span(connections, i, j, cell_s, spans, cheapest, place)
+
+
+@kernel
+def _by_stations(straight, stations):
+    """Least times with a station on the way allowed [s]."""
     shortest = straight.copy()
-    for i in range(bodies):
-        for j in range(bodies):
+    for i in range(straight.shape[0]):
+        for j in range(straight.shape[0]):
             for s in range(stations):
                 shortest[i, j] = min(shortest[i, j], straight[i, s] + straight[s, j])
-    rank = np.zeros(CELLS + 1, np.int64)
-    for cells in range(1, CELLS + 1):
-        while spans[rank[cells]] < cells:
-            rank[cells] += 1
-        if cells < CELLS:
-            rank[cells + 1] = rank[cells]
-    return Reach(cell_s, rank, least, straight, shortest, shortest.T.copy())
+    return shortest
 
 
-def reach_of(connections: ConnectionTable, stations: int, duration: float) -> Reach:
-    """Bounds on the legs of a mission of a given duration [s], from its table."""
-    reach: Reach = _reach_of(connections, stations, duration, np.array(SPANS, dtype=np.int64))
-    return reach
+def reach_of(
+    connections: ConnectionTable, stations: int, duration: float, stop: Stop | None = None
+) -> Reach:
+    """Bounds on the legs of a mission of a given duration [s], from its table.
+
+    Raises
+    ------
+    TimeIsOver
+        The time of ``stop`` is over, or too short for that, or there is no memory.
+    """
+    there = connections.total > 0
+    pairs, cell_s = int(there.sum()), max(duration, 1.0) / CELLS
+    if stop is not None and PAIR_S * pairs > TIME_SHARE * stop.remaining_s():
+        raise TimeIsOver
+    spans = np.array(SPANS, dtype=np.int64)
+    if 4.0 * pairs * spans.size * CELLS > MEMORY_SHARE * available_bytes():
+        raise TimeIsOver
+    row = np.where(there, np.cumsum(there).reshape(there.shape) - 1, -1).astype(np.int32)
+    least = np.empty((pairs, spans.size, CELLS), dtype=np.float32)
+    straight = np.full(there.shape, np.inf)
+    with halted_by(stop) as halt:
+        _fill(connections, row, cell_s, spans, least, straight, halt)
+    if halt[0]:
+        raise TimeIsOver
+    shortest = _by_stations(straight, stations)
+    rank = np.searchsorted(spans, np.arange(CELLS + 1))
+    return Reach(cell_s, rank, row, least, straight, shortest, shortest.T.copy())
 
 
 @inlined
@@ -115,7 +150,7 @@ def leg(reach, i, j, begin, end):
     if end - earliest_taken(begin) >= reach.straight[i, j]:
         first = min(max(int(earliest_taken(begin) / reach.cell_s), 0), CELLS - 1)
         last = min(max(int(end / reach.cell_s), first), CELLS - 1)
-        cost = np.float64(reach.least[i, j, reach.rank[last - first + 1], first])
+        cost = np.float64(reach.least[reach.row[i, j], reach.rank[last - first + 1], first])
     return cost
 
 

@@ -264,12 +264,17 @@ class Strings:
         One whose connections are kept: nodes drift.
     seed : int
     stop : Stop
+
+    Raises
+    ------
+    TimeIsOver
+        There is no time, or no memory, for its tables.
     """
 
     def __init__(self, mission: Mission, seed: int, stop: Stop) -> None:
         self._mission, self._stop = mission, stop
         self._rng = np.random.default_rng(seed)
-        self._lines = table_of(mission)
+        self._lines = table_of(mission, stop)
         rules = mission.rules
         value = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S
         first = rules.first_target
@@ -280,7 +285,7 @@ class Strings:
         self._around = Surroundings(
             np.argsort(apart, axis=1, kind="stable") + first,
             far,
-            reach_of(self._lines, rules.stations, rules.duration),
+            reach_of(self._lines, rules.stations, rules.duration, stop),
             np.zeros(rules.service.size),
         )
         self._order = np.arange(first, rules.service.size, dtype=np.int64)

@@ -66,7 +66,7 @@ ENGINES = (
         "[launched chasers](campaigns.md#missions-one-after-another), all alike, that service all "
         "targets",
         lambda problem: tour_obstacle(problem.instance) is None,
-        "tours through time, annealed and crossed",
+        "up to eight targets: all orders and times; more: tours through time, annealed and crossed",
         {"auto": "nothing of the cost", "exact": "a bound on the expense: walks over time cells"},
         {"auto": tours.search, "exact": tours.prove},
     ),
@@ -94,7 +94,7 @@ ENGINES = (
         lambda problem: problem.alone is not None,
         "beams, strings of targets taken out and put back",
         {
-            "auto": "prizes: multipliers, then labels whose memory grows",
+            "auto": "prizes: multipliers, then labels whose memory grows; then the cost, by labels",
             "exact": "prizes and, if asked for, the cost: the same, to the end",
         },
         {"auto": one_route.plan, "exact": label_setting.plan},
@@ -104,7 +104,7 @@ ENGINES = (
         lambda problem: True,
         "pools of routes, packed and exchanged",
         {
-            "auto": "prizes: columns, cuts by three targets",
+            "auto": "prizes: columns, cuts by three targets; then the cost, by columns",
             "exact": "prizes and, if asked for, the cost: the same, to the end",
         },
         dict.fromkeys(("auto", "exact"), many_routes.plan),

@@ -17,6 +17,7 @@ import numpy as np
 
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import Clock, Stop
+from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 
@@ -26,9 +27,9 @@ from ..beams.timely_beams import Beams, pilots
 from ..beams.varied_beams import varied
 from ..progress.gap import GapTracker
 from ..progress.proof_size import proof_notes
-from ..proof.least_end import prove_end
-from ..proof.proof import prove, prove_cost
+from ..proof.proof import ProofOptions, prove, prove_cost
 from ..walks.latest_times import Latest
+from .cheapest import cheapest
 from .options import ExactOptions
 
 WIDTH = 2000
@@ -95,27 +96,10 @@ def plan(
 
     counters = prove(mission, certificate, stop, enough, options, search=search)
     cost_bound = None
-    if options.cost and certificate.proven and certificate.sequence is not None:
-        if mission.instance.objective.cost == "duration":
-            cost_bound, counted = prove_end(
-                Problem.of(mission),
-                certificate,
-                stop,
-                lambda sooner, within: plan(
-                    method,
-                    sooner,
-                    seed=seed,
-                    stop=within,
-                    progress=silent,
-                    start=None,
-                    options=replace(options, cost=False),
-                ),
-                lambda found: certificate.offer(*found.routes),
-            )
-        else:
-            cost_bound, counted = prove_cost(
-                mission, certificate, stop, replace(options, delta_v_slot_m_s=COST_SLOT_M_S)
-            )
+    if options.cost:
+        cost_bound, counted = least_cost(
+            method, mission, certificate, stop, seed=seed, options=options, by_rounds=False
+        )
         counters |= counted
     return certificate.result(
         method,
@@ -124,4 +108,42 @@ def plan(
         cost_bound=cost_bound,
         notes=proof_notes(mission),
         otherwise=((),),
+    )
+
+
+def least_cost(
+    method: str,
+    mission: Mission,
+    certificate: GapTracker,
+    stop: Stop,
+    *,
+    seed: int,
+    options: ProofOptions,
+    by_rounds: bool,
+) -> tuple[float | None, dict[str, float]]:
+    """Lower the cost of the plan of one chaser, see :func:`.cheapest.cheapest`.
+
+    Parameters
+    ----------
+    method, seed, options
+        As :func:`plan` takes them.
+    mission : Mission
+    certificate, stop, by_rounds
+        As :func:`.cheapest.cheapest` takes them.
+    """
+    finer = replace(options, delta_v_slot_m_s=COST_SLOT_M_S)
+    alike = ExactOptions(options.jobs, options.delta_v_slot_m_s, options.most_labels)
+
+    def again(sooner: Problem, within: Stop) -> Result:
+        return plan(
+            method, sooner, seed=seed, stop=within, progress=silent, start=None, options=alike
+        )
+
+    return cheapest(
+        Problem.of(mission),
+        certificate,
+        stop,
+        lambda over: prove_cost(mission, certificate, stop, over, finer),
+        again,
+        by_rounds=by_rounds,
     )

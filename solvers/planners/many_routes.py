@@ -20,7 +20,6 @@ from ..progress.gap import GapTracker
 from ..progress.halting import ShareOfTime
 from ..progress.proof_size import fits_memory, proof_notes, set_up_s, sweep_s
 from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentProof
-from ..proof.least_end import prove_end
 from ..proof.proof import ProofOptions
 from ..routes.engine_rounds import EngineRounds
 from ..routes.one_chaser import FloatArray
@@ -28,6 +27,7 @@ from ..routes.route_pool import RoutePool
 from ..routes.route_search import RouteSearch
 from ..routes.target_exchange import Exchanges
 from ..walks.floors import floor_evidence
+from .cheapest import cheapest
 from .options import AutoOptions, ExactOptions, Goals
 from .rounds import Task, run
 
@@ -227,26 +227,24 @@ def plan(
     if prover is not None:
         counters |= prover.counters
     cost_bound = None
-    if goals.cost and certificate.proven and certificate.routes is not None:
-        if problem.instance.objective.cost == "duration":
-            cost_bound, counted = prove_end(
-                problem,
-                certificate,
-                stop,
-                lambda sooner, within: plan(
-                    method,
-                    sooner,
-                    seed=seed,
-                    stop=within,
-                    progress=silent,
-                    start=None,
-                    options=options,
-                    goals=Goals(until_done=True, prizes_alone=True),
-                ),
-                lambda found: certificate.offer(*found.routes),
-            )
-        else:
-            cost_bound, counted = prove_cost_by_columns(problem, certificate, pool, stop, options)
+    if goals.cost:
+        cost_bound, counted = cheapest(
+            problem,
+            certificate,
+            stop,
+            lambda over: prove_cost_by_columns(problem, certificate, pool, stop, over, options),
+            lambda sooner, within: plan(
+                method,
+                sooner,
+                seed=seed,
+                stop=within,
+                progress=silent,
+                start=None,
+                options=options,
+                goals=Goals(until_done=True, prizes_alone=True),
+            ),
+            by_rounds=not goals.until_done,
+        )
         counters |= counted
     stated = certificate.stated
     return certificate.result(

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from adr_opt.common.progress import Progress
-from adr_opt.common.stop import Clock, Stop
+from adr_opt.common.stop import Clock, Stop, TimeIsOver
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
@@ -28,6 +28,7 @@ from ..proof.large_proof import LargeProof
 from ..proof.proof import Proof, ProofOptions, proof_of
 from ..routes.engine_rounds import EngineRounds
 from ..walks.latest_times import Latest
+from .label_setting import least_cost
 from .options import AutoOptions
 from .rounds import Task, run
 
@@ -92,6 +93,7 @@ class RouteSearches:
         self._beams, self._beams_apart = Beams(mission, stop), Beams(mission, stop)
         self._widest = 0
         self._strings: Strings | None = None
+        self._too_large = False
         self._fruitless = 0
         self._beside: Strings | None = None
         self._found = Incumbent(mission)
@@ -230,8 +232,13 @@ class RouteSearches:
         """
         if not (self.drifts and self._mission.total_worth > 0.0):
             return
-        if self._strings is None and self._stop.remaining_s() > 0.0:
-            self._strings = Strings(self._mission, int(self._rng.integers(2**31)), self._stop)
+        if self._strings is None and not self._too_large and self._stop.remaining_s() > 0.0:
+            seed = int(self._rng.integers(2**31))
+            try:
+                self._strings = Strings(self._mission, seed, self._stop)
+            except TimeIsOver:
+                self._too_large = True
+                return
             self._strings.begin(self._certificate.sequence or ())
         if self._strings is None or self._certificate.proven or self._stop.remaining_s() <= 0.0:
             return
@@ -373,11 +380,18 @@ def plan(
     counters["rounds"] = rounds
     if prover is not None:
         counters |= prover.counters
+    cost_bound = None
+    if options.goals.cost:
+        cost_bound, counted = least_cost(
+            method, given, certificate, stop, seed=seed, options=options, by_rounds=True
+        )
+        counters |= counted
     stated = certificate.stated
     return certificate.result(
         method,
         seed=seed,
         counters=counters,
         upper_bound=stated,
+        cost_bound=cost_bound,
         notes=proof_notes(mission) if math.isfinite(stated) else (),
     )

@@ -41,11 +41,14 @@ class AutoOptions(ProofOptions, method="auto"):
         True, "Work on the bound as well; otherwise only beams and local search run."
     )
     time_value_m_s_per_h: float = option(USUAL, "As for `beam`.", unit="m/s per h")
+    cost: bool = option(
+        True, "Spend the time that is left once the prizes are proven on the least cost."
+    )
 
     @property
     def goals(self) -> Goals:
         """What is asked of an engine."""
-        return Goals(proves=self.prove)
+        return Goals(proves=self.prove, cost=self.cost and self.prove)
 
 
 @dataclass(frozen=True)

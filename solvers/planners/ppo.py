@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adr_opt.common.clock import now_s
+from adr_opt.common.errors import InputError
 from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import Progress, tell_plan
@@ -93,6 +94,11 @@ def ppo(
     threads = options.jobs or usable_cores()
     learned = load_policy(options.policy or SHIPPED, threads)
     learned.check_size(len(mission.names) - 1)
+    if mission.timetable.pairs.near.shape[1] < len(mission.names) - 1:
+        raise InputError(
+            f"ppo plans on the timetable of all pairs, and {len(mission.names)} bodies are too "
+            "many for that; take fewer targets, or another method"
+        )
     instance = mission.instance
     budget, duration = instance.chaser.tank.delta_v_m_s, instance.mission.duration_s
     began = now_s()

@@ -307,7 +307,6 @@ class CostProof(CostRounds):
         self._finding.compared = remembered.copy()
         if self._pool is None:
             self._find()
-            most = self._below(self._share)
         else:
             finding = self._pool.submit(self._find)
         try:

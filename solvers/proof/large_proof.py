@@ -21,6 +21,7 @@ import numpy as np
 from adr_opt.common.clock import now_s
 from adr_opt.common.memory import available_bytes
 from adr_opt.common.stop import Stop, TimeIsOver
+from adr_opt.legs.connection_finder import estimate
 from adr_opt.mission.mission import Mission
 
 from ..networks.packed_legs import MOST, LegSource, NoRoom, Stream
@@ -80,6 +81,9 @@ SAMPLED_PAIRS = 8
 
 HOPELESS = 2.0
 """Largest ratio of the number of undominated legs at the finest steps to that at coarser ones."""
+
+LIGHTER = 0.25
+"""Least time to make all legs, as a share of the timetable's."""
 
 SPARE = 1.2
 """Ratio of available storage to the estimated number of legs."""
@@ -177,7 +181,7 @@ class LargeProof:
         source = LegSource(self._mission)
         most = min(ROOM_BYTES, MEMORY_SHARE * available_bytes()) / LEG_BYTES
         remaining_s = TIME_SHARE * self._jobs * self._stop.remaining_s()
-        for layout in layouts(source, self._mission, most, remaining_s):
+        for layout in layouts(source, self._mission, most, remaining_s, self._over):
             room = math.ceil(SPARE * layout.legs) + 1000
             if room > most or layout.takes_s > remaining_s:
                 continue
@@ -247,7 +251,13 @@ class LargeProof:
             self._bound.close()
 
 
-def layouts(source: LegSource, mission: Mission, most: float, most_s: float) -> Iterator[Layout]:
+def layouts(
+    source: LegSource,
+    mission: Mission,
+    most: float,
+    most_s: float,
+    over: Callable[[], bool] = lambda: False,
+) -> Iterator[Layout]:
     """Discretisations of legs, finest first, from a sample of origins.
 
     Where a service changes what is left of a tank, ΔV is not counted at all.
@@ -259,19 +269,34 @@ def layouts(source: LegSource, mission: Mission, most: float, most_s: float) -> 
         Of the source.
     most, most_s : float
         There is nothing where far more legs are to be expected, or far more time on one core [s].
+    over : callable
+        Whether the time is over.
+
+    Raises
+    ------
+    TimeIsOver
+        It is.
     """
     rules = mission.rules
     wanted = UNITS_M_S if rules.loads is None else (math.inf,)
     units = [unit for unit in wanted if rules.budget / unit <= MOST]
-    if source.bodies > MOST or not units or _listing_s(mission) > most_s:
+    if source.bodies > MOST or not units or LIGHTER * estimate(mission.instance).build_s > most_s:
         return
+    if _listing_s(mission) > most_s:
+        return
+
+    def of(i: int, length: float, unit: float) -> tuple[np.ndarray, int]:
+        if over():
+            raise TimeIsOver
+        return source.of(i, length, unit)
+
     # A first look, at steps that are as short as can be, says how long the shortest leg is.
     finest = max(rules.duration, 1.0) / (MOST - 2)
     origins = {round(place) for place in np.linspace(0, source.bodies - 1, SAMPLED)}
     shortest, count, took_s = math.inf, 0, 0.0
     for i in sorted(origins):
         began = now_s()
-        legs, least = source.of(i, finest, units[-1])
+        legs, least = of(i, finest, units[-1])
         took_s += now_s() - began
         count += legs.size
         shortest = min(shortest, finest * least) if legs.size else shortest
@@ -283,7 +308,7 @@ def layouts(source: LegSource, mission: Mission, most: float, most_s: float) -> 
     share = source.bodies / len(origins)
     for unit in units:
         began = now_s()
-        count = sum(source.of(i, length, unit)[0].size for i in origins)
+        count = sum(of(i, length, unit)[0].size for i in origins)
         took_s = now_s() - began
         yield Layout(length, unit, share * count, share * took_s)
 

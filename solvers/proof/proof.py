@@ -318,9 +318,20 @@ def prove(
 
 
 def prove_cost(
-    mission: Mission, certificate: GapTracker, stop: Stop, options: ProofOptions
+    mission: Mission,
+    certificate: GapTracker,
+    stop: Stop,
+    enough: Callable[[], bool],
+    options: ProofOptions,
 ) -> tuple[float, dict[str, float]]:
     """Prove a lower bound on the ΔV of plans with at least the incumbent's worth.
+
+    Parameters
+    ----------
+    mission, certificate, stop, options
+        As :class:`Proof` takes them.
+    enough : callable
+        Asked once a round.
 
     Returns
     -------
@@ -332,7 +343,7 @@ def prove_cost(
     def over() -> bool:
         return stop.remaining_s() <= 0.0
 
-    if stop.remaining_s() < set_up_s(mission):
+    if stop.remaining_s() < set_up_s(mission) or not fits_memory(mission):
         return 0.0, {}
     proof = CostProof(
         mission,
@@ -344,8 +355,9 @@ def prove_cost(
         delta_v_slot_m_s=options.delta_v_slot_m_s,
         most_labels=options.most_labels,
     )
-    bound, counters = settled(proof, over)
-    certificate.cost_evidence = proof.evidence
+    bound, counters = settled(proof, enough)
+    if mission.falls is None:  # what is lost has been looked ahead for, and `verify` does not
+        certificate.cost_evidence = proof.evidence
     return bound, counters
 
 

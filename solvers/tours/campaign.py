@@ -7,7 +7,7 @@ times on the grid of the instance's connections, at their exact costs. A plan is
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -19,7 +19,7 @@ from adr_opt.common.clock import now_s
 from adr_opt.common.constants import DAY_S, SLACK_M_S
 from adr_opt.common.errors import InputError
 from adr_opt.common.progress import Progress
-from adr_opt.common.stop import Stop
+from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.legs.connections import Connections
 from adr_opt.legs.families.family import StatedLeg
 from adr_opt.mission.certified import certify_routes
@@ -30,9 +30,10 @@ from adr_opt.plan.leg_kinds import DRIFT, LAUNCH, leg_kinds
 from adr_opt.problem.chasers import TankByMass
 
 from .costs import Tour, TourExpense
+from .enumerated import MOST_TARGETS, Enumeration, grid_of
 from .grid_costs import TourLayout, costs_of, layout_of
 from .population import Annealing, Population
-from .retiming import FineGrid, Growth, Integers, MissionTimes, Retiming
+from .retiming import FineGrid, FloatArray, Growth, Integers, MissionTimes, Retiming
 
 FOR_TIMES, MOST_FOR_TIMES_S = 0.08, 60.0
 """Share of the time for the times of the best tours, and its limit [s]."""
@@ -126,6 +127,7 @@ class Campaign:
         growth = Growth(0.0, 0.0, 0.0)
         if self.weighs:
             growth = Growth(spent.exhaust_m_s, spent.kit_kg, spent.dry_kg + spent.kit_kg)
+        self._growth = growth
         self.retiming = Retiming(problem.connecting.ends, self.fine, growth)
 
     @property
@@ -193,16 +195,48 @@ class Campaign:
                 high = min(high, int(arrivals[place + 1][0]) - self._apart)
         return low, high
 
+    def enumerated(self, over: Callable[[], bool]) -> tuple[FlownTour | None, bool]:
+        """The cheapest campaign of few targets, and whether all times of the grid were tried.
+
+        Nothing, and not, of more targets or where the time is over.
+        """
+        count = len(self.instance.targets)
+        if count > MOST_TARGETS:
+            return None, False
+        fine = self.fine
+        if self.instance.transfer.max_leg_s is None:  # one may wait as long as one likes
+            fine = fine._replace(within=self._bounds[1])
+        coarse = grid_of(count, fine, self._bounds)
+        first, ends = self.instance.first_target, self.problem.connecting.ends
+        try:
+            ways = Enumeration(ends, first, count, fine, coarse, self._growth, over)
+            missions = ways.cheapest(self._priced, len(self.instance.chasers), self._apart)
+        except TimeIsOver:
+            return None, False
+        if missions is None:
+            return None, coarse.every == 1
+        orders, times = [order for order, _ in missions], [each for _, each in missions]
+        for place in range(len(orders)) if coarse.every > 1 else ():
+            within = self._between(place, [each.arrivals for each in times])
+            times[place] = self.retiming.exact(orders[place], times[place], *within) or times[place]
+        flown = FlownTour(tuple(orders), tuple(times), self._cost(orders, times))
+        return flown, coarse.every == 1
+
+    def _priced(self, total: FloatArray, targets: int) -> FloatArray:
+        """Cost of missions by what they weigh at the launch; infinite where a tank is too small."""
+        spent = self.expense
+        carried = total - (spent.dry_kg if self.weighs else 0.0)
+        fits = carried - targets * spent.kit_kg <= spent.most_propellant_kg + SLACK_M_S
+        with np.errstate(invalid="ignore"):
+            cost = spent.fixed + (spent.per_kg + spent.per_kg_squared * carried) * carried
+        return np.where(fits, cost, np.inf)
+
     def _cost(self, orders: Sequence[tuple[int, ...]], times: Sequence[MissionTimes]) -> float:
         """Cost of missions; infinite where a tank is too small."""
-        spent, total = self.expense, 0.0
-        for order, each in zip(orders, times, strict=True):
-            carried = each.total - (spent.dry_kg if self.weighs else 0.0)
-            propellant = carried - len(order) * spent.kit_kg
-            if propellant > spent.most_propellant_kg + SLACK_M_S:
-                return math.inf
-            total += spent.fixed + (spent.per_kg + spent.per_kg_squared * carried) * carried
-        return total
+        return math.fsum(
+            float(self._priced(np.array(each.total), len(order)))
+            for order, each in zip(orders, times, strict=True)
+        )
 
     def schedules(self, flown: FlownTour) -> tuple[tuple[tuple[int, ...], ...], list[Schedule]]:
         """Routes of all chasers and their schedules; missions go to chasers in order of time."""
@@ -233,6 +267,16 @@ class Campaign:
                 except InputError:
                     return False
         return True
+
+    def planned(
+        self, tours: Iterable[FlownTour], counters: Mapping[str, float]
+    ) -> PlannedTour | None:
+        """The first of some tours that can be flown, as a plan."""
+        for flown in tours:
+            routes, schedules = self.schedules(flown)
+            if self.can_be_flown(routes, schedules):
+                return PlannedTour(routes, schedules, counters)
+        return None
 
     def _connections(
         self, start: int, order: tuple[int, ...], times: MissionTimes
@@ -285,6 +329,11 @@ def plan_tours(
         Threads.
     """
     campaign = Campaign(problem)
+    tried, settled = campaign.enumerated(lambda: stop.remaining_s() <= 0.0)
+    if settled:
+        counters = {"generations": 0.0}
+        if tried is not None and (planned := campaign.planned([tried], counters)) is not None:
+            return planned
     cost = costs_of(problem, campaign.layout, cores, stop)
     left_s = stop.remaining_s()
     settings = Annealing(missions=min(10, len(problem.missions)), iterations=LEAST_ITERATIONS)
@@ -310,11 +359,10 @@ def plan_tours(
         if share() >= 1.0 or stop(everything if told else -math.inf, everything):
             break
     counters = {"generations": float(found.generations)}
-    for flown in _timed(campaign, found.tours, stop, cores):
-        routes, schedules = campaign.schedules(flown)
-        if campaign.can_be_flown(routes, schedules):
-            return PlannedTour(routes, schedules, counters)
-    return PlannedTour(None, (), counters)
+    flown = _timed(campaign, found.tours, stop, cores)
+    if tried is not None:
+        flown = sorted([tried, *flown], key=lambda each: each.cost)
+    return campaign.planned(flown, counters) or PlannedTour(None, (), counters)
 
 
 def certified_tour(

@@ -37,6 +37,8 @@ def compared(campaign: Problem, result: Result, case: object) -> bool:
         assert result.plan.cost >= cost - 1e-6, case
     if result.status == "optimal":
         assert result.objective == pytest.approx(prizes), case
+    if result.plan.cost_bound is not None:
+        compared_cost(campaign, result, case)
     return True
 
 

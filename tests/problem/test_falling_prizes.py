@@ -7,6 +7,7 @@ import math
 import pytest
 from brute_force import brute_force
 from random_rules import falling_field, falling_mission
+from seeds import over_kinds
 from timed_fields import timed_mission
 
 import adr_opt
@@ -91,6 +92,26 @@ def test_the_end_is_proven_least_among_plans_that_collect_as_much():
         assert plan.cost == pytest.approx(cost, abs=1e-5), seed
         proven += 1
     assert proven > 5
+
+
+@over_kinds("seeds", falls=(range(200), 8))
+def test_the_cost_of_prizes_that_fall_is_bounded(seeds):
+    """`auto` states no cost bound above the least cost, and calls none least that is not."""
+    proven = 0
+    for seed in seeds:
+        mission = Mission(falling_mission(seed))
+        prizes, cost, _ = brute_force(mission)
+        if not math.isfinite(prizes):
+            continue
+        plan = adr_opt.solve(mission, "auto", time_limit=60.0).plan
+        assert plan.objective == pytest.approx(prizes), seed
+        if plan.cost_bound is None:
+            continue
+        assert plan.cost_bound <= cost * (1.0 + 1e-9) + 1e-6, seed
+        if plan.cost_status == "optimal":
+            assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), seed
+            proven += 1
+    assert proven > 0.3 * len(seeds)
 
 
 @pytest.mark.parametrize("greatest", [60000.3, 3000000.1])

@@ -49,6 +49,30 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
         assert optimal(results) == len(results)
 
 
+@over_kinds(
+    "draw, seeds",
+    two_body=(random_mission, range(100), 2),
+    j2=(drifting_mission, range(100), 2),
+    given=(given_field, range(100), 2),
+    mixed=(mixed_campaign, range(100), 2),
+)
+def test_time_that_is_left_gives_the_least_cost(draw, seeds):
+    """`auto` ends with a plan of least cost among all that collect as much, and proves it."""
+    planned = 0
+    for seed in seeds:
+        instance = draw(seed) if draw is mixed_campaign else random_campaign(seed, draw)
+        campaign = Problem(instance)
+        plan = adr_opt.solve(campaign, "auto", time_limit=60.0).plan
+        if plan is None:
+            continue
+        prizes, cost = brute_force_campaign(campaign)
+        assert plan.objective == pytest.approx(prizes), seed
+        assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), (seed, plan.cost, cost)
+        assert plan.cost_status == "optimal", (seed, plan.cost_bound, cost)
+        planned += 1
+    assert planned > 0.5 * len(seeds)
+
+
 @over_kinds("seeds", falls=(range(60), 3))
 @pytest.mark.parametrize("method", [*PROVING, "greedy-guarded"])
 def test_prizes_fall_for_all_chasers(method, seeds):

@@ -21,7 +21,7 @@ from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.instance import Instance, instance_of
 from adr_opt.problem.tours import tour_obstacle
-from solvers.tours import cells
+from solvers.tours import cells, enumerated
 from solvers.tours.least_expense import LeastExpense, cell_length_s
 
 SHORTEST = 1
@@ -110,7 +110,7 @@ def least_expense(instance: Instance, apart: int | None, most: int | None) -> fl
 
 @pytest.mark.parametrize("seed", range(8))
 def test_a_tour_is_as_cheap_as_trying_everything_makes_it(seed: int) -> None:
-    """On tiny campaigns, rules on and off, plans are legal and nearly cost least."""
+    """On tiny campaigns, rules on and off, plans are legal and cost least."""
     off = {
         0: {},
         1: {"transfer__max_leg_s": None},
@@ -128,7 +128,26 @@ def test_a_tour_is_as_cheap_as_trying_everything_makes_it(seed: int) -> None:
     assert result.plan is not None
     assert not check(instance, result.plan)
     assert result.plan.cost >= least * (1.0 - 1e-9)
-    assert result.plan.cost <= 1.05 * least
+    assert result.plan.cost <= (1.0 + 1e-9) * least
+
+
+@pytest.mark.parametrize("work", [None, 2e6])
+def test_a_finer_grid_is_never_worse(work, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each halving of the grid gives a plan of no more cost, tried on all times or on some."""
+    if work is not None:
+        monkeypatch.setattr(enumerated, "MOST_WORK", work)
+    cheaper = 0
+    for seed in (3, 11, 12, 17):
+        costs = []
+        for halved in (1, 2, 4):
+            instance = launched(seed, 3, transfer__drift_step_s=STEP_S / halved)
+            plan = adr_opt.solve(instance, iterations=1, time_limit=math.inf).plan
+            costs.append(math.inf if plan is None else plan.cost)
+            assert plan is None or not check(instance, plan)
+        assert costs[1] <= costs[0] * (1.0 + 1e-9), seed
+        assert costs[2] <= costs[1] * (1.0 + 1e-9), seed
+        cheaper += costs[2] < costs[0]
+    assert cheaper
 
 
 @pytest.fixture(scope="module")

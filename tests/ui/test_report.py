@@ -162,7 +162,10 @@ def test_every_leg_and_every_unvisited_target_is_in_a_table(mission) -> None:
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"status": "optimal", "upper_bound": 30.0, "gap": 0.0}, "Optimal, as the plan states"),
+        (
+            {"status": "optimal", "upper_bound": 30.0, "gap": 0.0},
+            "Optimal prize, as the plan states",
+        ),
         ({"status": "feasible", "upper_bound": 32.0, "gap": 0.0625}, "6.25\u202f%"),
         ({"status": "feasible", "upper_bound": None, "gap": None}, "The plan states no upper"),
     ],

@@ -283,7 +283,7 @@ def test_incumbent_and_bound_are_told_as_they_come(desk: EditingSession) -> None
     last = events[-1][1]
     assert (last["incumbent"], last["bound"], last["gap"]) == (3.0, 3.0, 0.0)
     assert last["points"][-1][1:] == [3.0, 3.0]
-    assert last["said"].startswith("3 targets visited, optimal (of the model)")
+    assert last["said"].startswith("3 targets visited, optimal prize")
     assert desk.state()["plan"]["objective"] == 3.0
     # One timetable for all that differ in prizes, targets and tanks.
     known = desk._work._reused._built

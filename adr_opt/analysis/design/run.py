@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ...common.stop import AnyOf, Proven
 from ...mission.certified import certify_routes
 from ...mission.problem import Problem
 from ...mission.result import Result
@@ -222,8 +223,9 @@ def _solved(work: DesignWork, problem: Problem, known: Plan | None, place: Place
         more = {"start": routes if len(routes) > 1 else routes[0], "repair": True}
     if not place.alone and method.uses_cores:
         more["jobs"] = 1
+    stop = Proven() if place.stop is None else AnyOf(place.stop, Proven())
     return solve(
-        problem, work.method, time_limit=work.time_limit_s, seed=work.seed, stop=place.stop, **more
+        problem, work.method, time_limit=work.time_limit_s, seed=work.seed, stop=stop, **more
     )
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ...common.clock import now_s
 from ...common.errors import InputError
-from ...common.stop import Stop
+from ...common.stop import Proven, Stop
 from ...judge.admit import AnyPlan, admit, admit_made
 from ...plan.plan import Plan
 from ...problem.instance import Instance
@@ -161,7 +161,7 @@ def setting_of(
     if plan is None:
         if policy in NEED_PLAN:
             raise InputError(f"policy {policy!r} keeps to a plan; give one")
-        made = solve(instance, time_limit=PLANNING_S).plan
+        made = solve(instance, time_limit=PLANNING_S, stop=Proven()).plan
         if made is None:
             raise InputError(
                 f"no plan of {instance.name!r} was found to begin with; give one that 'solve' made"

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M, OBLATENESS_M2
 from ...common.errors import InputError
+from ...common.stop import Proven
 from ...kernels.orbits.ephemeris import secular_rates
 from ...kernels.orbits.keyed_draws import keyed_draws
 from ...plan.plan import Leg, Plan
@@ -271,7 +272,9 @@ def campaign(
         time_s = leg.end_s if failed else leg.done_s
         return Attempt(time_s, offered.numbers[name], name, prizes[name], not failed)
 
-    plan = solve(instance, settings.method, time_limit=settings.time_limit_s, seed=seed).plan
+    plan = solve(
+        instance, settings.method, time_limit=settings.time_limit_s, seed=seed, stop=Proven()
+    ).plan
     if plan is None:
         return FlownCampaign(False, len(instance.targets), 0, 0, 0.0, ())
     keep(instance, plan)
@@ -299,6 +302,7 @@ def campaign(
             method=settings.method,
             time_limit=settings.time_limit_s,
             seed=seed,
+            stop=Proven(),
         )
         for state in made.states:
             done = state.legs[:-1] if state.is_put else state.legs

@@ -158,6 +158,7 @@ def of_comparison(made: Comparison) -> Card:
         "method": lambda side: side.method,
         "status": lambda side: side.status,
         "prize": lambda side: f"{side.objective:g}",
+        "cost gap": lambda side: "" if side.cost_gap is None else f"{side.cost_gap:.1%}",
         "visits": lambda side: f"{side.visits}",
         "ΔV m/s": lambda side: f"{side.delta_v_m_s:,.1f}",
         "ends day": lambda side: days(side.end_s),

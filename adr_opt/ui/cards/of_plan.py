@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ...common.card import Card, CardTable, days, order_words
-from ...common.wording import counted
+from ...common.wording import counted, proof_words
 
 if TYPE_CHECKING:
     from ...fly.refine.loop import RefinedResult
@@ -26,7 +26,7 @@ def of_result(result: Result) -> Card:
         facts.append(f"prize {result.objective:g}")
     if bounded:
         facts.append(f"at most {result.upper_bound:g}")
-    facts.append(result.status)
+    facts.append(result.status if plan is None else proof_words(result.status, plan.cost_status))
     if plan is not None:
         facts += [counted(len(plan.legs), "leg"), f"{plan.delta_v_m_s:,.1f} m/s"]
     facts.append(f"{result.runtime_s:.3g} s")
@@ -115,7 +115,7 @@ def certified(plan: Plan) -> tuple[str, ...]:
     bound = "" if plan.upper_bound is None else f" of at most {plan.upper_bound:g}"
     return (
         f"prize {plan.objective:g}{bound}",
-        plan.status,
+        proof_words(plan.status, plan.cost_status),
         counted(len(plan.legs), "leg"),
         f"{plan.delta_v_m_s:,.1f} m/s",
     )
@@ -128,7 +128,8 @@ def details_of(plan: Plan) -> tuple[tuple[str, str], ...]:
         for route, names in zip(plan.routes, plan.orders.values(), strict=True)
     ]
     if plan.cost_bound is not None:
-        details.append(("cost", f"{plan.cost:,.6g} of at least {plan.cost_bound:,.6g}"))
+        gap = "" if plan.cost_gap is None else f", gap {plan.cost_gap:.1%}"
+        details.append(("cost", f"{plan.cost:,.6g} of at least {plan.cost_bound:,.6g}{gap}"))
     left_out = plan.unvisited
     if left_out:
         why: dict[str, int] = {}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...common.errors import InputError
-from ...common.wording import status_words
+from ...common.wording import proof_words
 from . import complete, param
 from .bars import wanted
 from .certificates import certificate_option, check_certificate, save_certificate
@@ -316,7 +316,10 @@ def _save_plan(plan: Plan, out: str | None, quiet: bool) -> None:
     if out is None:
         return
     plan.save(out)
-    say(f"wrote {out}: objective {plan.objective:g}, {status_words(plan.status)}", unless=quiet)
+    say(
+        f"wrote {out}: objective {plan.objective:g}, {proof_words(plan.status, plan.cost_status)}",
+        unless=quiet,
+    )
 
 
 def _first_trouble(*steps: Callable[[], None]) -> InputError | None:

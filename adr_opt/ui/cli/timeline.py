@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from ...common.constants import DAY_S
-from ...common.wording import counted, status_words
+from ...common.wording import counted, proof_words
 from ...plan.cargo import carries
 from ...plan.expense import carried_kg, expense_of
 from ...plan.routes import Flown, by_tank, routes_of, several
@@ -38,7 +38,7 @@ def span(duration_s: float) -> str:
 
 def timelines(instance: Instance, plan: Plan, width: int | None = None) -> list[Table]:
     """A table of at most ``width`` columns for each flying chaser's legs, with names shortened."""
-    title = f"{instance.name}: {plan.method}, {status_words(plan.status)}"
+    title = f"{instance.name}: {plan.method}, {proof_words(plan.status, plan.cost_status)}"
     if not several(instance):
         return [timeline(instance, enumerate(plan.legs, start=1), width, title)]
     return [
@@ -142,12 +142,16 @@ def left_out(plan: Plan) -> Iterator[str]:
 
 
 def summary(instance: Instance, plan: Plan) -> str:
-    """Totals of a plan on one line, with bound and gap if there is a bound."""
+    """Totals of a plan on one line, with the bounds and gaps of prize and cost if there are any."""
     refuellings = sum(name in instance.station_names for name in plan.destinations)
     used = max(flown.end_s for flown in routes_of(instance, plan))
     proven: tuple[str, ...] = ()
     if plan.upper_bound is not None and plan.gap is not None:
         proven = (f"bound {plan.upper_bound:.6g}", f"gap {plan.gap:.1%}")
+    if plan.cost_bound is not None and plan.cost_gap is not None:
+        proven += (f"cost bound {plan.cost_bound:,.6g}", f"cost gap {plan.cost_gap:.1%}")
+    elif plan.status == "optimal":
+        proven += ("cost unproven",)
     crew = (counted(len(instance.chasers), "chaser"),) if several(instance) else ()
     parts = (
         *crew,

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ...analysis.comparison import Comparison, Difference, LegPair, Side
 from ...common.constants import DAY_S
-from ...common.wording import counted, status_words
+from ...common.wording import counted, proof_words
 from ...plan.palette import CHASERS
 from ...plan.plan import Leg, Plan
 from ...plan.routes import several
@@ -73,11 +73,13 @@ FIGURES: dict[str, Callable[[Side], str]] = {
     "prize": lambda side: number(side.objective, 3),
     "bound, stated": lambda side: _unless_none(side.upper_bound, lambda bound: number(bound, 3)),
     "gap, stated": lambda side: _unless_none(side.gap, lambda gap: f"{gap:.1%}"),
-    "status, stated": lambda side: status_words(side.status),
+    "status, stated": lambda side: proof_words(side.status, side.cost_status),
     "visits": lambda side: str(side.visits),
     "required": lambda side: str(side.required),
     "ΔV m/s": lambda side: fixed(side.delta_v_m_s, 1),
     "cost": lambda side: fixed(side.cost, 1),
+    "cost bound, stated": lambda side: _unless_none(side.cost_bound, lambda cost: fixed(cost, 1)),
+    "cost gap, stated": lambda side: _unless_none(side.cost_gap, lambda gap: f"{gap:.1%}"),
     "refuellings": lambda side: str(side.refuellings),
     "end": lambda side: clock(side.end_s),
     "violations": lambda side: str(side.violations),

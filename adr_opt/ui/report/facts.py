@@ -28,6 +28,8 @@ class Facts:
         Collected, and of all targets.
     upper_bound, gap : float or None
         As the plan states them.
+    cost, cost_bound, cost_gap : float or None
+        As the plan states them.
     delta_v_m_s : float
         Of all legs [m/s].
     budgets_m_s : float
@@ -46,6 +48,9 @@ class Facts:
     total_prize: float
     upper_bound: float | None
     gap: float | None
+    cost: float
+    cost_bound: float | None
+    cost_gap: float | None
     delta_v_m_s: float
     budgets_m_s: float
     chasers: int
@@ -74,6 +79,9 @@ def facts(instance: Instance, plan: Plan) -> Facts:
         total_prize=float(sum(target.greatest_prize for target in instance.targets)),
         upper_bound=plan.upper_bound,
         gap=plan.gap,
+        cost=plan.cost,
+        cost_bound=plan.cost_bound,
+        cost_gap=plan.cost_gap,
         delta_v_m_s=plan.delta_v_m_s,
         budgets_m_s=sum(_budgets_m_s(instance, flown) for flown in flying or routes),
         chasers=len(routes),

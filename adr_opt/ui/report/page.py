@@ -13,7 +13,7 @@ from ...common.errors import InputError
 from ...common.files import check_writable, write_text
 from ...common.json_text import loaded
 from ...common.version import __version__
-from ...common.wording import counted, status_words
+from ...common.wording import counted, proof_words
 from ...fly.flight.fly import fly
 from ...fly.flight.refined_result import RefinedFlight
 from ...fly.flight.result import Flight, TankFlight
@@ -209,7 +209,8 @@ def _page(known: _Found) -> str:
         f"{epoch.day} {epoch:%B %Y, %H:%M} UTC · "
         f"{in_days(instance.mission.duration_s)} · "
         f"{counted(len(instance.targets), 'target')} · planned by {escape(plan.method)} · "
-        f"{'proven ' if plan.status == 'optimal' else ''}{status_words(plan.status)}"
+        f"{'proven ' if plan.status == 'optimal' else ''}"
+        f"{proof_words(plan.status, plan.cost_status)}"
     )
     left_out = (
         tables.reasons(plan) + tables.unvisited(instance, plan)

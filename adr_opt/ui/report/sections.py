@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from datetime import UTC
 
 from ...common.constants import DAY_S
-from ...common.wording import counted, status_words
+from ...common.wording import counted, proof_words
 from ...fly.flight.refined_result import RefinedFlight
 from ...fly.flight.result import Flight
 from ...judge.check.violation import Violation
@@ -322,8 +322,8 @@ def certificate(plan: Plan, found: Facts) -> str:
         )
     elif plan.status == "optimal":
         said = (
-            f"Optimal, as the plan states: it collects {collected}, and no plan can collect more "
-            f"than {number(plan.upper_bound, 2)}. <code>verify</code> judges the certificate."
+            f"Optimal prize, as the plan states: it collects {collected}, and no plan can collect "
+            f"more than {number(plan.upper_bound, 2)}. <code>verify</code> judges the certificate."
         )
     else:
         said = (
@@ -347,6 +347,15 @@ def certificate(plan: Plan, found: Facts) -> str:
             f"<p>Gap: <b>{100.0 * found.gap:.2f}\u202f%</b>, that is (upper bound − collected) / "
             "upper bound.</p>"
         )
+    if found.cost_gap is not None and found.cost_bound is not None:
+        cost = "Optimal cost" if plan.cost_status == "optimal" else "Cost"
+        gap += (
+            f"<p>{cost} among plans that collect as much, as the plan states: "
+            f"{number(found.cost, 2)} of at least {number(found.cost_bound, 2)}, a gap of "
+            f"<b>{100.0 * found.cost_gap:.2f}\u202f%</b>.</p>"
+        )
+    elif plan.status == "optimal":
+        gap += "<p>Whether another plan that collects as much costs less is unproven.</p>"
     return f'<p>{said}</p>{gap}<dl class="bars" aria-label="{what}">{bars}</dl>'
 
 
@@ -365,8 +374,8 @@ def origin(instance: Instance, plan: Plan) -> str:
         *([("motion", MOTION[instance.dynamics])] if settings.given is None else []),
         (
             "plan",
-            f"{escape(plan.method)}, seed {plan.seed}, {status_words(plan.status)}, "
-            f"{plan.runtime_s:.2f} s",
+            f"{escape(plan.method)}, seed {plan.seed}, "
+            f"{proof_words(plan.status, plan.cost_status)}, {plan.runtime_s:.2f} s",
         ),
     ]
     rules = _rules_in_words(instance)

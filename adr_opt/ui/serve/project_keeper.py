@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ...common.errors import InputError
-from ...common.wording import counted, status_words
+from ...common.wording import counted, proof_words
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from .drafts import Draft
@@ -227,4 +227,6 @@ def run_told(instance: Instance, result: PlannedRun) -> str:
         why = "infeasible: no plan services all required targets"
         return f"no plan: {why if result.status == 'infeasible' else result.status}{notes}"
     visits = len(set(plan.destinations) - set(instance.station_names))
-    return f"{counted(visits, 'target')} visited, {status_words(plan.status)}{notes}"
+    return (
+        f"{counted(visits, 'target')} visited, {proof_words(plan.status, plan.cost_status)}{notes}"
+    )

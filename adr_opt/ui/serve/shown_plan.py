@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import Any, get_args
 
 from ...common.errors import InputError
-from ...common.wording import status_words
+from ...common.wording import proof_words
 from ...plan.plan import Plan
 from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
@@ -179,7 +179,7 @@ def _of_plan(instance: Instance, plan: Plan, draft: Draft, number: int) -> dict[
         "upper_bound": plan.upper_bound,
         "gap": plan.gap,
         "gap_words": in_percent(plan.gap),
-        "status": status_words(plan.status),
+        "status": proof_words(plan.status, plan.cost_status),
         "method": plan.method,
         "visits": len(targets & set(plan.destinations)),
         "targets": len(targets),
