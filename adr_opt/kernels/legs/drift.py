@@ -22,6 +22,8 @@ the co-elliptic orbit, and to the stand-off), T_c = T − t_1 − t_2 − t_3 �
 which leaves radii r_k a comb apart. The leg takes the cheaper of the two teeth about the optimum of
 free phase. Teeth are half a lap away at most, which is 90 m/s for a leg of a day and 1 m/s for one
 of three months.
+
+Legs by free burns have the price of :mod:`.drift_shape` instead.
 """
 
 import math
@@ -35,6 +37,7 @@ from . import drift_pair
 from .drift_arcs import NodeSeries, coast, moved
 from .drift_free import first_guess, free_phase
 from .drift_pair import climb_to, radius_of
+from .drift_shape import CLOSER_M_S, directed, in_plane
 
 MOST_STEPS = 40
 """Maximum number of Newton steps."""
@@ -113,7 +116,7 @@ def node_series(pair, task, arcs):
 
 
 @inlined
-def tilt_at(pair, shape, series, climb, tilt, close):
+def tilt_at(pair, flat, series, climb, tilt, close):
     """The best z for a given drift orbit, near a given z, and the resulting split.
 
     Minimises (X² + (N₁ + N₂)²) / 2, which is convex but for the curvature of a cosine: Newton
@@ -124,8 +127,8 @@ def tilt_at(pair, shape, series, climb, tilt, close):
     Parameters
     ----------
     pair : DriftPair
-    shape : float
-        E [m/s].
+    flat : (float, float)
+        Squares of N₁ and N₂ without a change of inclination [m²/s²].
     series : NodeSeries
     climb, tilt : float
         [m/s].
@@ -135,8 +138,7 @@ def tilt_at(pair, shape, series, climb, tilt, close):
     linear = pair.linear
     per_speed = 1.0 / linear.speed
     worth = linear.speed * linear.sine
-    rest = pair.climb - climb
-    flat_1, flat_2 = climb * climb + shape * shape, rest * rest + shape * shape
+    flat_1, flat_2 = flat
     p0, p1, p2, p3, p4, p5 = series
     low, high, before = -math.inf, math.inf, math.inf
     node = first = second = 0.0
@@ -190,6 +192,8 @@ def split(pair, task, free):
     -------
     Split
     """
+    if pair.free:
+        return free_split(pair, task, free)
     best = Split(math.inf, free.climb, free.tilt, 0.0)
     radius = radius_of(pair, free.climb)
     arcs = coast(pair, task.span, radius)
@@ -207,12 +211,51 @@ def split(pair, task, free):
         away = climb - free.climb
         tilt = free.tilt + free.follow * away if FAR * abs(away) < free.room else free.tilt
         series = node_series(pair, task, there)
-        way = tilt_at(pair, task.shape, series, climb, tilt, CLOSE_M_S)
+        flat = in_plane(pair, task.shape, climb)
+        way = tilt_at(pair, flat, series, climb, tilt, CLOSE_M_S)
         if way.delta_v < best.delta_v:
             best = way
         if abs(laps - nearer) < NEARER and FAR * (1.0 - NEARER) / NEARER * abs(away) < free.room:
             break
     return best
+
+
+@inlined
+def free_split(pair, task, free):
+    """The tooth of least M, with the price of free burns (:mod:`.drift_shape`).
+
+    M is convex in the teeth but for the curvature of rates: from the one that is nearest to the
+    optimum of free phase the others are gone through as long as it falls.
+    """
+    best = Split(math.inf, free.climb, free.tilt, 0.0)
+    radius = radius_of(pair, free.climb)
+    arcs = coast(pair, task.span, radius)
+    if arcs.drift <= 0.0:
+        return best
+    least, most = radius_of(pair, pair.least_climb), radius_of(pair, pair.most_climb)
+    laps = (arcs.phase - task.ahead) / TURN_RAD
+    nearer = float(math.floor(laps + 0.5))
+    side = 1.0 if laps > nearer else -1.0
+    number, turned = nearer, False
+    while True:
+        found, there = tooth(pair, task, radius, arcs, number)
+        way = best
+        if least <= found <= most and there.drift > 0.0:
+            climb = climb_to(pair, found)
+            flat = in_plane(pair, task.shape, climb)
+            series = node_series(pair, task, there)
+            way = tilt_at(pair, flat, series, climb, best.tilt, CLOSER_M_S)
+        if way.delta_v < best.delta_v:
+            best = way
+        elif number != nearer:
+            # What lies beyond costs more: on with the other side, once.
+            if turned or number != nearer + side:
+                break
+            turned, side, number = True, -side, nearer
+        number += side
+    if best.delta_v == math.inf:
+        return best
+    return Split(directed(pair, task, best), best.climb, best.tilt, best.along)
 
 
 @kernel

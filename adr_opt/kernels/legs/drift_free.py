@@ -6,6 +6,7 @@ from typing import NamedTuple
 from ...common.constants import MU_M3_S2
 from ..core.compile import inlined
 from . import drift_linear
+from .drift_shape import in_plane
 
 MOST_STEPS = 40
 """Maximum number of Newton steps."""
@@ -22,6 +23,9 @@ TIP_ROOM_M_S = 3.0
 
 CLOSE_M_S, TINY_M_S = 0.002, 1e-9
 """Last steps that are accepted anywhere, and that count as none [m/s]."""
+
+MATCHING = 4
+"""Number of rounds, and of Newton steps in each, of the optimum by free burns."""
 
 GAIN_M_S = 5e-3
 """Largest gain of the last step: where the function is flat, a long step may gain much [m/s]."""
@@ -127,7 +131,59 @@ def free_phase(pair, task, climb, tilt):
     known = task.lag + pair.node_rate_i * (task.span - 0.5 * half)
     known -= pair.node_rate_j * (half * (0.5 + pair.fraction) + pair.approach)
     rest = Rest(known, 0.0, 0.0, drifting)
+    if pair.free:
+        circles = least_turns(pair, task.span, 0.0, LEVEL, rest, climb, tilt)
+        return matched(pair, task.shape, rest, circles)
     return least_turns(pair, task.span, task.shape, LEVEL, rest, climb, tilt)
+
+
+@inlined
+def matched(pair, shape, rest_of_node, circles):
+    """Optimum of M (:mod:`.drift_shape`) from the one between circles.
+
+    They are the same where that changes speeds by as much as eccentricities ask for. Else all y
+    that do cost the same in the plane, and the node alone chooses: none of it is left, or y is at
+    an end of theirs.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    shape : float
+        E [m/s].
+    rest_of_node : Rest
+    circles : Free
+    """
+    climb, tilt, linear = circles.climb, circles.tilt, pair.linear
+    if abs(climb) + abs(pair.climb - climb) >= 2.0 * shape:
+        return circles
+    low = max(0.5 * pair.climb - shape, pair.least_climb)
+    high = min(0.5 * pair.climb + shape, pair.most_climb)
+    worth, node, turn = linear.speed * linear.sine, 0.0, 0.0
+    for _ in range(MATCHING):
+        for is_tilt in (False, True):
+            speed = pair.speed_i - climb
+            axis = speed * speed * (1.0 / MU_M3_S2)
+            pull = -1.5 * pair.oblateness * axis * axis * axis * speed * rest_of_node.drifting
+            inclination = pair.inclination_i + tilt / linear.speed
+            node = worth * (rest_of_node.known - pull * math.cos(inclination))
+            if not is_tilt:
+                slope = 7.0 * worth * pull * math.cos(inclination) / speed
+                if slope != 0.0:
+                    climb = min(max(climb - node / slope, low), high)
+        slope = worth * pull * math.sin(inclination) / linear.speed
+        first, second = in_plane(pair, shape, climb)
+        first, second = first + SMOOTH_M_S * SMOOTH_M_S, second + SMOOTH_M_S * SMOOTH_M_S
+        for _ in range(MATCHING):
+            left = linear.tilt - tilt
+            one, other = math.sqrt(first + tilt * tilt), math.sqrt(second + left * left)
+            turn, inner = one + other, tilt / one - left / other
+            bent = first / (one * one * one) + second / (other * other * other)
+            step = node * slope + turn * inner
+            step /= slope * slope + inner * inner + turn * bent
+            tilt -= step
+            node -= slope * step
+    least = math.sqrt(node * node + turn * turn)
+    return Free(climb, tilt, least, 0.0, 0.0)
 
 
 @inlined

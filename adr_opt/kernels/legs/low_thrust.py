@@ -44,7 +44,7 @@ LIGHTER = 1.01
 def task_turned(pair, task, turns):
     """The same task with the node turned some more whole turns."""
     more = turns * TURN_RAD
-    return Task(task.span, task.lag + more, task.ahead + pair.cosine * more, 0.0)
+    return Task(task.span, task.lag + more, task.ahead + pair.cosine * more, 0.0, task.arrival)
 
 
 class LowThrustLeg(NamedTuple):

@@ -249,7 +249,8 @@ def tooth_split(pair, task, thrust, steering, free, follow, laps):
         if not (pair.least_climb <= climb <= pair.most_climb):
             break
         series = node_series(pair, task, room - now.here, now.times, speed)
-        way = tilt_at(pair, 0.0, series, climb, tilt, SAVED_M_S)
+        rest = pair.climb - climb
+        way = tilt_at(pair, (climb * climb, rest * rest), series, climb, tilt, SAVED_M_S)
         tilt = way.tilt
         form = with_bowl(way.delta_v, steering.bowl, climb)
         delta_v, first, found = laid_out(pair, thrust, steering, form, climb, tilt)

@@ -155,7 +155,7 @@ def prepare(orbit_i, orbit_j, rule, since_j2000, time):
     node_j, _ = ephemeris.node_tangent(orbit_j, time)
     perigee_i, perigee_rate_i = ephemeris.perigee_tangent(orbit_i, time)
     return LowThrustPair(
-        drift_pair.prepare(orbit_i, orbit_j, rule, time),
+        drift_pair.within(orbit_i, orbit_j, rule, (rule.min_radius, rule.max_radius), False, time),
         node_i,
         node_j,
         rate_i - ephemeris.coasting_node_rate_at(orbit_i, time),
