@@ -142,7 +142,7 @@ def least_tilted(ends: Ends, radius: float) -> tuple[float, float]:
     low, high = low + (best - 1) * step, low + (best + 1) * step
     one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     at_one, at_other = cost_with(ends, radius, one), cost_with(ends, radius, other)
-    while high - low > 1e-4:
+    while high - low > (1e-6 if ends.free else 1e-4):
         if at_one < at_other:
             high, other, at_other = other, one, at_one
             one = high - GOLDEN * (high - low)
@@ -180,6 +180,26 @@ def least_of_all(ends: Ends, low: float, high: float) -> float:
 
 
 @kernel
+def freest(ends: Ends, low: float, high: float) -> float:
+    """The same where eccentricities cost nothing beside changes of size as well [m].
+
+    Those drift orbits are looked at apart: they may be few, and where inclinations move the node
+    for months there is more than one valley.
+    """
+    best = least_of_all(ends, low, high)
+    first, second = math.sqrt(MU_M3_S2 / ends.radius_i), math.sqrt(MU_M3_S2 / ends.radius_j)
+    if not ends.free or abs(first - second) >= 2.0 * ends.shape:
+        return best
+    middle = 0.5 * (first + second)
+    inner = MU_M3_S2 / (middle + ends.shape) ** 2
+    outer = MU_M3_S2 / (middle - ends.shape) ** 2
+    if outer <= low or inner >= high:
+        return best
+    other = least_of_all(ends, max(inner, low), min(outer, high))
+    return other if least_tilted(ends, other)[0] < least_tilted(ends, best)[0] else best
+
+
+@kernel
 def least_with_laps(ends: Ends, low: float, high: float) -> float:
     """ΔV of the leg: the cheaper of the radii around the optimum that meet the target [m/s].
 
@@ -197,7 +217,7 @@ def least_with_laps(ends: Ends, low: float, high: float) -> float:
     if arcs_of(ends, high)[1, 1] <= 0.0 and arcs_of(ends, low)[1, 1] <= 0.0:
         return math.inf
     least = price = math.inf
-    about = math.floor(laps_of(ends, least_of_all(ends, low, high)))
+    about = math.floor(laps_of(ends, freest(ends, low, high)))
     for laps in (about, about + 1):
         if not laps_of(ends, high) <= laps <= laps_of(ends, low):
             continue

@@ -57,6 +57,10 @@ NEARER, FAR = 0.25, 8.0
 it and N₁ and N₂ are this many times as large as that way: costs are then nearly a parabola."""
 
 
+SURE_M_S = 3.0
+"""Largest error of the optimum of free phase by free burns [m/s]."""
+
+
 class Split(NamedTuple):
     """Split of a drift leg: ΔV, and the first burn's change of size, inclination and node.
 
@@ -224,38 +228,55 @@ def split(pair, task, free):
 def free_split(pair, task, free):
     """The tooth of least M, with the price of free burns (:mod:`.drift_shape`).
 
-    M is convex in the teeth but for the curvature of rates: from the one that is nearest to the
-    optimum of free phase the others are gone through as long as it falls.
+    M is convex but for the curvature of rates: of the teeth about the optimum of free phase the
+    better one is best of all, and where one is as near as the error of that optimum, others are
+    gone through as long as M falls.
     """
     best = Split(math.inf, free.climb, free.tilt, 0.0)
     radius = radius_of(pair, free.climb)
     arcs = coast(pair, task.span, radius)
     if arcs.drift <= 0.0:
         return best
-    least, most = radius_of(pair, pair.least_climb), radius_of(pair, pair.most_climb)
     laps = (arcs.phase - task.ahead) / TURN_RAD
-    nearer = float(math.floor(laps + 0.5))
+    nearer = chosen = float(math.floor(laps + 0.5))
     side = 1.0 if laps > nearer else -1.0
-    number, turned = nearer, False
+    number, turned, is_sure = nearer, False, False
     while True:
-        found, there = tooth(pair, task, radius, arcs, number)
-        way = best
-        if least <= found <= most and there.drift > 0.0:
-            climb = climb_to(pair, found)
-            flat = in_plane(pair, task.shape, climb)
-            series = node_series(pair, task, there)
-            way = tilt_at(pair, flat, series, climb, best.tilt, CLOSER_M_S)
-        if way.delta_v < best.delta_v:
-            best = way
-        elif number != nearer:
+        way = tried(pair, task, radius, arcs, number, best.tilt, CLOSE_M_S)
+        away = abs(way.climb - free.climb)
+        is_better = way.delta_v < best.delta_v
+        if is_better:
+            best, chosen = way, number
+        if number == nearer:
+            room = FAR * (1.0 - NEARER) / NEARER * away
+            if is_better and abs(laps - nearer) < NEARER and room < free.room:
+                break
+            is_sure = away > SURE_M_S
+        elif not is_better or away > SURE_M_S:
             # What lies beyond costs more: on with the other side, once.
-            if turned or number != nearer + side:
+            if turned or is_sure or chosen != nearer:
                 break
             turned, side, number = True, -side, nearer
         number += side
     if best.delta_v == math.inf:
         return best
-    return Split(directed(pair, task, best), best.climb, best.tilt, best.along)
+    # The price is not what is least there: it takes a more exact optimum.
+    radius = radius_of(pair, best.climb)
+    arcs = coast(pair, task.span, radius)
+    way = tried(pair, task, radius, arcs, chosen, best.tilt, CLOSER_M_S)
+    return Split(directed(pair, task, way), way.climb, way.tilt, way.along)
+
+
+@inlined
+def tried(pair, task, radius, arcs, laps, tilt, close):
+    """The split with a tooth near a radius with known arcs; infinite ΔV outside the limits."""
+    found, there = tooth(pair, task, radius, arcs, laps)
+    least, most = radius_of(pair, pair.least_climb), radius_of(pair, pair.most_climb)
+    if not (least <= found <= most) or there.drift <= 0.0:
+        return Split(math.inf, math.inf, tilt, 0.0)
+    climb = climb_to(pair, found)
+    flat = in_plane(pair, task.shape, climb)
+    return tilt_at(pair, flat, node_series(pair, task, there), climb, tilt, close)
 
 
 @kernel
