@@ -25,8 +25,9 @@ from ...common.constants import TURN_RAD
 from ..core.compile import inlined
 from .drift import tilt_at
 from .drift_arcs import node_at
-from .drift_free import Rest, first_guess, least_turns, with_bowl
+from .drift_free import Rest, first_guess, least_turns
 from .low_thrust_arcs import ArcTimes, arc_times, beside_ramps, chord, longitude_gained, node_series
+from .low_thrust_windows import easing, shaped
 
 MOST_ROUNDS = 60
 """Maximum number of rounds in which times of thrust converge."""
@@ -252,7 +253,7 @@ def tooth_split(pair, task, thrust, steering, free, follow, laps):
         rest = pair.climb - climb
         way = tilt_at(pair, (climb * climb, rest * rest), series, climb, tilt, SAVED_M_S)
         tilt = way.tilt
-        form = with_bowl(way.delta_v, steering.bowl, climb)
+        form = shaped(pair, steering, way.delta_v, climb)
         delta_v, first, found = laid_out(pair, thrust, steering, form, climb, tilt)
         if found.first + found.second > room:
             break
@@ -280,7 +281,8 @@ def split(pair, task, thrust, steering, below):
     LowThrustSplit
     """
     free, follow = free_split(pair, task, thrust, steering)
-    if free.delta_v == math.inf or free.delta_v - OFF * free.delta_v - OFF_M_S >= below:
+    least = easing(steering) * (free.delta_v - OFF * free.delta_v) - OFF_M_S
+    if free.delta_v == math.inf or least >= below:
         return NEVER
     is_busy = free.times.first + free.times.second > BUSY * task.span
     coasting = task.span - pair.approach - free.times.first - free.times.second
