@@ -43,9 +43,9 @@ SAVED_M_S = 1e-9
 """Least saving for which a step of the inclination is taken [m/s]; times amplify its errors."""
 
 
-BUSY, MOST_LAPS = 0.15, 6
+BUSY, MOST_LAPS, MOST_EASED_LAPS = 0.15, 6, 60
 """Share of a leg with thrust from which on laps farther than both next to the optimum of free phase
-are tried, and the maximum number of them."""
+are tried, and the maximum numbers of them, here and where eccentricities change with the size."""
 
 
 OFF, OFF_M_S = 2e-3, 0.01
@@ -296,7 +296,9 @@ def split(pair, task, thrust, steering, below):
     if way.delta_v < best.delta_v:
         best, number, step = way, nearer, -step
     # The optimum of free phase is one for its times of thrust; fewer may be needed farther on.
-    for _ in range(MOST_LAPS if is_busy else 0):
+    # By a norm of a higher power it is only near its own.
+    most = MOST_EASED_LAPS if steering.power != 2.0 else MOST_LAPS if is_busy else 0
+    for _ in range(most):
         number += step
         way = tooth_split(pair, task, thrust, steering, free, follow, number)
         if way.delta_v >= best.delta_v:
