@@ -4,6 +4,7 @@ python bench/proofs.py verify nominal --count 20
 python bench/proofs.py lists nominal-000 nominal-018 --plain
 python bench/proofs.py columns campaign 0-19 --limit 120
 python bench/proofs.py set-up
+python bench/proofs.py captures 0-19
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from statistics import median
 from tempfile import TemporaryDirectory
 
 from fields import INSTANCES, best_known, falling, numbers, ready
-from tables import alone, experiment, head, row, timed
+from tables import alone, experiment, head, row, timed, times_s
 
 import adr_opt
+from adr_opt.analysis.windows import STATIONS, CaptureConditions, windows_of
+from adr_opt.analysis.windows.intervals import lasting
 from adr_opt.common.errors import InputError
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import MaxIterations
@@ -162,6 +165,12 @@ class ProcessorTime:
         return self.remaining_s() <= 0.0
 
 
+def seeds_of(text: str) -> list[int]:
+    """Numbers and ranges as typed: 3,8,11-13."""
+    parts = [part.partition("-") for part in text.split(",")]
+    return [seed for first, _, last in parts for seed in range(int(first), int(last or first) + 1)]
+
+
 def columns(family: str, seeds: str, limit: float = 120.0, falls: str = "") -> None:
     """Proofs of campaigns by column generation alone, in processor time.
 
@@ -173,37 +182,35 @@ def columns(family: str, seeds: str, limit: float = 120.0, falls: str = "") -> N
     """
     head("field", "known", "plan", "bound", "proven", "cuts", "columns", "labels", "processor time")
     known = best_known()
-    for part in seeds.split(","):
-        first, _, last = part.partition("-")
-        for seed in range(int(first), int(last or first) + 1):
-            problem = ready(falling(adr_opt.generate(family, seed), numbers(falls)))
-            name = problem.instance.name
-            tracker, pool = GapTracker(problem, silent), RoutePool(problem)
-            routes = [
-                tuple(map(int, route.split("-"))) if route else ()
-                for route in known[name]["order"].split("/")
-            ]
-            tracker.offer(*routes)
-            for kind, route in zip(problem.kind_of, routes, strict=True):
-                pool.add(kind, route)
-            begun, stop, began = tracker.incumbent, ProcessorTime(limit), time.process_time()
-            proof = ColumnProof(problem, tracker, pool, 0, stop, ProofOptions(jobs=1))
-            proof.begin()
-            while not (proof.done or tracker.proven or stop.remaining_s() <= 0.0):
-                proof.advance(lambda stop=stop: stop.remaining_s() <= 0.0)
-            spent, counted = time.process_time() - began, proof.counters
-            proof.close()
-            row(
-                name,
-                f"{begun:g}",
-                f"{tracker.incumbent:g}",
-                f"{tracker.bound:.6g}",
-                "yes" if tracker.proven else "no",
-                f"{counted['cuts']:g}",
-                f"{counted['columns']:g}",
-                f"{counted['labels']:,}",
-                f"{spent:.1f} s",
-            )
+    for seed in seeds_of(seeds):
+        problem = ready(falling(adr_opt.generate(family, seed), numbers(falls)))
+        name = problem.instance.name
+        tracker, pool = GapTracker(problem, silent), RoutePool(problem)
+        routes = [
+            tuple(map(int, route.split("-"))) if route else ()
+            for route in known[name]["order"].split("/")
+        ]
+        tracker.offer(*routes)
+        for kind, route in zip(problem.kind_of, routes, strict=True):
+            pool.add(kind, route)
+        begun, stop, began = tracker.incumbent, ProcessorTime(limit), time.process_time()
+        proof = ColumnProof(problem, tracker, pool, 0, stop, ProofOptions(jobs=1))
+        proof.begin()
+        while not (proof.done or tracker.proven or stop.remaining_s() <= 0.0):
+            proof.advance(lambda stop=stop: stop.remaining_s() <= 0.0)
+        spent, counted = time.process_time() - began, proof.counters
+        proof.close()
+        row(
+            name,
+            f"{begun:g}",
+            f"{tracker.incumbent:g}",
+            f"{tracker.bound:.6g}",
+            "yes" if tracker.proven else "no",
+            f"{counted['cuts']:g}",
+            f"{counted['columns']:g}",
+            f"{counted['labels']:,}",
+            f"{spent:.1f} s",
+        )
 
 
 FIELDS = (
@@ -270,5 +277,50 @@ def set_up(runs: int = 3) -> None:
         )
 
 
+SEEN_BY = "svalbard", "troll", "kourou"
+"""Stations of which one sees captures: about a hundred passes of each target in a week."""
+
+
+def captured(instance: Instance, *stations: str) -> Instance:
+    """A field whose targets are captured in ten minutes, in light and seen by stations."""
+    seen_by = tuple(STATIONS[name] for name in stations)
+    found = windows_of(instance, CaptureConditions(light=True, stations=seen_by))
+    return instance.with_windows(
+        {name: lasting(each, 600.0) for name, each in found.items()}, capture_s=600.0
+    )
+
+
+def captures(seeds: str, limit: float = 60.0) -> None:
+    """Proofs and timetables with and without windows of captures.
+
+    Fields of `nominal` in light and contact, and the table of a campaign of two years in light.
+    """
+    head("field", "windows a target", "proof, processor s", "the same in windows", "ratio", "plans")
+    adr_opt.solve(captured(adr_opt.generate("tiny", 0), *SEEN_BY), "exact", time_limit=60.0)
+    ratios, proven = [], 0
+    for seed in seeds_of(seeds):
+        plain = adr_opt.generate("nominal", seed)
+        made = captured(plain, *SEEN_BY)
+        (one, _, before), (other, _, after) = (
+            timed(lambda each=each: adr_opt.solve(each, "exact", time_limit=limit))
+            for each in (plain, made)
+        )
+        ratios.append(after / before)
+        proven += other.status == "optimal"
+        results = (f"{each.objective:g} of {each.upper_bound:g}" for each in (one, other))
+        count = median(len(made.intervals_of(target)) for target in made.targets)
+        row(made.name, f"{count:g}", f"{before:.1f}", f"{after:.1f}", f"{ratios[-1]:.2f}", *results)
+    print(f"\nProven in {limit:g} s: {proven} of {len(ratios)}; ratio {median(ratios):.2f}.\n")
+    plain = adr_opt.generate("rocket-bodies", 0)
+    made = captured(plain)
+    head("field", "windows a target", "timetable", "in windows", "ratio")
+    before_s, after_s = (
+        median(times_s(lambda each=each: adr_opt.Timetable(each, 1), 3)) for each in (plain, made)
+    )
+    count = median(len(made.intervals_of(target)) for target in made.targets)
+    times = f"{before_s:.2f} s", f"{after_s:.2f} s", f"{after_s / before_s:.2f}"
+    row(plain.name, f"{count:g}", *times)
+
+
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, verify, lists, columns, set_up))
+    sys.exit(experiment(__doc__, verify, lists, columns, set_up, captures))

@@ -214,11 +214,14 @@ def _why_not(mission: Mission, moves: tuple[int, ...]) -> str:
             f"departs at {found.departure.max():.10g} s, but the chaser is free at {ready:.10g} s "
             "only"
         )
-    end = float(service_ends(found.arrival[there], rules.opens[j], rules.service[j]).min())
-    if end > rules.closes[j]:
+    service, closing = float(rules.service[j]), float(rules.windows.closing[j])
+    open_end = rules.windows.later(j, math.inf)
+    begin = float(service_ends(open_end, j, found.arrival[there]).min())
+    end = begin + service
+    if begin > closing:
         return (
             f"is over at {end:.10g} s at the earliest, service included, after its window, the "
-            f"mission or the chaser's time, which end at {rules.closes[j]:.10g} s"
+            f"mission or the chaser's time, which end at {closing + service:.10g} s"
         )
     spent = mission.connecting.spent_m_s(body)
     cost, left = float(found.delta_v[there].min()) - spent, float(here.left.max()) - spent

@@ -138,7 +138,7 @@ class PricedOrder(Shown):
         }
 
 
-FOLLOWS = Follower("price", FIRST | CAMPAIGNS | MODELLED | {"functions of time"})
+FOLLOWS = Follower("price", FIRST | CAMPAIGNS | MODELLED | {"functions of time", "capture windows"})
 
 
 def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedOrder:

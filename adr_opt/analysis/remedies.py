@@ -128,11 +128,11 @@ def missing(mission: Mission, moves: Moves, made: int) -> Shortfall:
 def _window(mission: Mission, moves: Moves, made: int) -> float | None:
     """Additional opening time of the window at which an order breaks [s]."""
     rules, j = mission.rules, moves[made]
-    if not rules.closes[j] < rules.duration:
+    latest, service = float(rules.windows.closing[j]), float(rules.service[j])
+    if not latest < rules.duration - service:
         return None
-    closes = rules.closes.copy()
-    closes[j] = rules.duration
-    scheduler = mission.schedules.under(rules._replace(closes=closes))
+    longer = rules.windows.later(j, rules.duration - service)
+    scheduler = mission.schedules.under(rules._replace(windows=longer))
     fronts = scheduler.fronts(moves)
     if len(fronts) <= len(moves):
         return None
@@ -141,10 +141,10 @@ def _window(mission: Mission, moves: Moves, made: int) -> float | None:
     low, high = 0, len(ends) - 1
     while low < high:
         middle = (low + high) // 2
-        closes[j] = ends[middle]
-        again = mission.schedules.under(rules._replace(closes=closes.copy()))
+        longer = rules.windows.later(j, ends[middle] - service)
+        again = mission.schedules.under(rules._replace(windows=longer))
         if len(again.fronts(moves)) > len(moves):
             high = middle
         else:
             low = middle + 1
-    return float(max(ends[low] - rules.closes[j], 0.0))
+    return float(max(ends[low] - service - latest, 0.0))

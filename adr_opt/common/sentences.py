@@ -60,6 +60,9 @@ def sentence(error: ValidationError) -> str:
     said = said[0].lower() + said[1:] if said else "invalid"
     others = len(details) - 1 - explained
     more = f" (and {others} more)" if others else ""
+    if first["loc"] == ("format",) and first["type"] == "literal_error":
+        # All other errors follow from this one.
+        more = "; this is a file of another kind"
     if not field:
         # a rule between fields, which names them itself
         return f"{said if said.startswith('field ') else 'the file ' + said}{more}"

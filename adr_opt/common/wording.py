@@ -31,6 +31,11 @@ def cut(text: str, most: int = LONGEST_NAME) -> str:
     return text if len(text) <= most else text[: most - 1] + "…"
 
 
+def printable(text: str) -> str:
+    """Text in the form that messages of other programs allow: printable ASCII on one line."""
+    return "".join(sign if " " <= sign <= "~" else "?" for sign in text)
+
+
 def counted(number: int, noun: str, plural: str | None = None) -> str:
     """A number with its noun: "1 leg", "2 legs"."""
     return f"{number} {noun if number == 1 else plural or noun + 's'}"

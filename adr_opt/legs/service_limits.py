@@ -8,12 +8,12 @@ from collections.abc import Iterable
 import numpy as np
 
 from ..common.constants import SLACK_S
-from ..common.records import Window
-from ..kernels.core.windows import service_ends
+from ..kernels.core.windows import FloatArray, IntArray, Windows, service_ends, windows_of
 from ..kernels.orbits.ephemeris import EPOCH_S, revolution_at
 from ..kernels.tables.timetable_making import ServiceLimits
 from ..plan.plan import Leg
 from ..plan.tows import removals_of
+from ..problem.capture_windows import intervals_of
 from ..problem.drives import drive_of
 from ..problem.instance import Instance
 from .corrections import NO_CORRECTIONS, Corrections
@@ -35,37 +35,39 @@ def limits_of(
     corrections : Corrections
         Times of services other than the mission's, and what tows get beyond what they take.
     """
-    mission, first = instance.mission, instance.first_target
-    # Nothing is counted in the period of a body without an orbit.
-    periods = np.nan_to_num(np.array([revolution_at(row, EPOCH_S) for row in instance.orbits()]))
-    service = mission.refuel_revolutions * periods
-    if mission.service_revolutions is not None:
-        service[first:] = mission.service_revolutions * periods[first:]
-    else:
-        service[first:] = mission.service_s
+    service = services_s(instance)
     numbers = range(len(instance.chasers)) if chaser is None else [chaser]
-    available = [_seconds(instance.available_s[number]) for number in numbers]
-    begin, end = min(begin for begin, _ in available), max(end for _, end in available)
-    duration = min(mission.duration_s, end) + SLACK_S
-    opens, closes = np.full(periods.size, begin), np.full(periods.size, duration)
-    for body, target in enumerate(instance.targets, start=first):
-        opened, closed = _seconds(target.window_s)
-        opens[body], closes[body] = max(begin, opened), min(closed + SLACK_S, duration)
+    available = intervals_of(instance.available_s[number] for number in numbers)
+    begin, end = float(available[:, 0].min()), float(available[:, 1].max())
+    duration = min(instance.mission.duration_s, end) + SLACK_S
+    body, opens, latest = _begins(instance, service, begin)
     for name, service_s in corrections.services_s.items():
-        body = instance.names.index(name)
-        closed = _seconds(instance.targets[body - first].window_s)[1] + SLACK_S
-        closes[body] = min(closed + service_s - service[body], duration)
-        service[body] = service_s
-    for body, station in enumerate(instance.stations):
+        service[instance.names.index(name)] = service_s
+    for towed, least_s in removal_times(instance, numbers).items():
+        service[towed] += least_s + corrections.stays_s.get(instance.names[towed], 0.0)
+    service.setflags(write=False)
+    windows = windows_of(body, opens, np.minimum(latest, (duration - service)[body]))
+    return ServiceLimits(service, windows, begin, duration)
+
+
+def _begins(
+    instance: Instance, service: FloatArray, begin: float
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Body of each interval, and when services may begin in it, whatever the mission lasts [s]."""
+    first, never = instance.first_target, np.array([[0.0, -math.inf]])
+    lists = [np.array([[0.0, math.inf]])] * first
+    for number, station in enumerate(instance.stations):
         if station.max_refuellings == 0:
-            closes[body] = -math.inf
-    for body, least_s in removal_times(instance, numbers).items():
-        time_s = least_s + corrections.stays_s.get(instance.names[body], 0.0)
-        service[body] += time_s
-        closes[body] = min(closes[body] + time_s, duration)
-    for array in (service, opens, closes):
-        array.setflags(write=False)
-    return ServiceLimits(service, opens, closes, begin, duration)
+            lists[number] = never
+    for body, target in enumerate(instance.targets, start=first):
+        intervals = instance.intervals_of(target)
+        stay_s = float(service[body])
+        capture_s = stay_s if target.capture_s is None else min(target.capture_s, stay_s)
+        begins = intervals + np.array([0.0, SLACK_S - capture_s])
+        lists.append(begins if len(intervals) else never)
+    bodies = np.repeat(np.arange(len(lists)), [len(each) for each in lists])
+    opens, latest = np.concatenate(lists).T
+    return bodies, np.maximum(opens, begin), latest.copy()
 
 
 def removal_times(instance: Instance, chasers: Iterable[int]) -> dict[int, float]:
@@ -83,12 +85,23 @@ def service_begins(instance: Instance, leg: Leg) -> float:
 
     Of a plan that is wrong about its times no later than the leg ends.
     """
-    opens = {target.name: target.window_s[0] for target in instance.targets}
-    opening = min(opens.get(leg.destination, 0.0), leg.end_s)
-    return float(service_ends(leg.arrival_s, opening, 0.0))
+    begin = service_ends(windows_at(instance), instance.names.index(leg.destination), leg.arrival_s)
+    return min(float(begin), leg.end_s)
 
 
-def _seconds(window: Window) -> tuple[float, float]:
-    """A window as two numbers, +inf if it never closes [s]."""
-    opens, closes = window
-    return opens, math.inf if closes is None else closes
+def windows_at(instance: Instance) -> Windows:
+    """When services may begin at the bodies of an instance, however long it and chasers last."""
+    return windows_of(*_begins(instance, services_s(instance), -math.inf))
+
+
+def services_s(instance: Instance) -> FloatArray:
+    """Time of a service at each body, or of a refuelling [s]."""
+    mission, first = instance.mission, instance.first_target
+    # Nothing is counted in the period of a body without an orbit.
+    periods = np.nan_to_num(np.array([revolution_at(row, EPOCH_S) for row in instance.orbits()]))
+    service: FloatArray = mission.refuel_revolutions * periods
+    if mission.service_revolutions is not None:
+        service[first:] = mission.service_revolutions * periods[first:]
+    else:
+        service[first:] = mission.service_s
+    return service

@@ -140,13 +140,11 @@ class Timetable(Shown):
             rule = instance.transfer_rule(time_value_m_s_per_h)
             interval = instance.transfer.departure_spacing_s
             # Searches alone look at it: when bodies are left, lists say.
-            in_sight = np.minimum(
-                limits.closes, connecting.ends.altitudes.arrive_by + limits.service
-            )
+            in_sight = limits.windows.until(connecting.ends.altitudes.arrive_by)
             source = Source(
                 *connecting.inputs[:3],
                 rule,
-                limits._replace(closes=in_sight),
+                limits._replace(windows=in_sight),
                 *asked,
                 connecting.is_listed,
                 interval,
@@ -214,7 +212,7 @@ class Timetable(Shown):
         connecting.counted_as(self.connecting)
         made.connecting = connecting
         made.table, made.limits = making.part_of(self.table, self.limits, bodies)
-        for array in (*made.table[:-1], *made.limits[:3]):
+        for array in (*made.table[:-1], made.limits.service):
             array.setflags(write=False)
         made.instance, made.names = instance, instance.names
         made.pairs = all_pairs(bodies.size)

@@ -212,8 +212,7 @@ class Mission(Shown, Prizes):
         return kernels.Rules(
             table=table,
             service=limits.service,
-            opens=limits.opens,
-            closes=limits.closes,
+            windows=limits.windows,
             prize=self.planning_prizes,
             is_station=is_station,
             may_end=may_end,
@@ -284,14 +283,13 @@ class Mission(Shown, Prizes):
         other._all = self
         barred = np.isneginf(worths)
         offered = np.where(barred, 0.0, worths)
-        closes = np.where(barred, -np.inf, self.rules.closes)
-        for array in (offered, closes):
-            array.setflags(write=False)
+        windows = self.rules.windows.until(np.where(barred, -np.inf, np.inf))
+        offered.setflags(write=False)
         other.__dict__ |= {
             "planning_prizes": offered,
             "is_required": np.zeros(worths.size, dtype=np.bool_),
             "prize_step": 0.0,
-            "rules": self.rules._replace(prize=offered, closes=closes),
+            "rules": self.rules._replace(prize=offered, windows=windows),
         }
         other.__dict__["schedules"] = self.schedules.under(other.rules)
         return other
@@ -365,7 +363,7 @@ class Mission(Shown, Prizes):
                 if source is not None:
                     other.ask(Neighbours(source.near, source.period))
             else:
-                barred = np.isneginf(self.rules.closes)
+                barred = np.isneginf(self.rules.windows.closing)
                 worths = np.where(barred, -np.inf, self.planning_prizes)
                 other = self._all.with_time_value(time_value_m_s_per_h).offering(worths)
             other._variants = self._variants

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ..common.constants import SLACK_M_S
 from ..common.records import LARGEST_DELTA_V_M_S, LARGEST_DURATION_S, LARGEST_MASS_KG
 from ..kernels.rules.rules import Rules
@@ -77,13 +75,12 @@ class Relaxed:
             duration_s = min(duration_s, LARGEST_DURATION_S)
             chaser = chaser.replace(available_s=(chaser.available_s[0], None))
             instance = instance.replace(mission=instance.mission.replace(duration_s=duration_s))
+        if not windows:
+            instance = instance.without_closings()
         chasers = (*instance.chasers[:number], chaser, *instance.chasers[number + 1 :])
         self._instance: Instance = instance.replace(chasers=chasers)
         limits = limits_of(self._instance, number)
-        closes = limits.closes
-        if not windows:
-            closes = np.where(closes > -math.inf, limits.duration, closes)
-        self._rules = mission.rules._replace(closes=closes, duration=limits.duration)
+        self._rules = mission.rules._replace(windows=limits.windows, duration=limits.duration)
         connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
         cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
         made = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)

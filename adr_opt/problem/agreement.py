@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ..common.constants import EARTH_RADIUS_M
+import numpy as np
+
+from ..common.constants import EARTH_RADIUS_M, OBLATENESS_M2
 from ..common.tolerance import common_step
 from ..kernels.legs.free_burns import MOST_REVOLUTIONS
+from ..kernels.orbits.ephemeris import EPOCH_S, revolution_at
 from .approach import approach_of
 from .bodies import Station, Target
 from .chasers import AtStation, Chaser, InOrbit, TankByMass
@@ -51,6 +54,30 @@ def check_falling_prizes(targets: Sequence[Target]) -> None:
             f"field targets: prizes that fall with time must be whole multiples of a unit of which "
             f"all together are at most {MOST_STEPS_THAT_FALL}; these {has}: round them"
         )
+
+
+def check_windows(
+    targets: Sequence[Target], mission: MissionSettings, *, in_file: bool, drifts: bool
+) -> None:
+    """Windows stand in one place, and captures are no longer than services."""
+    for number, target in enumerate(targets):
+        if in_file and target.windows != ((0.0, None),):
+            raise ValueError(
+                f"field targets[{number}]: has windows of its own beside those of the field "
+                "windows; leave one of the two out"
+            )
+        if target.capture_s is None:
+            continue
+        stay_s = mission.service_s
+        if mission.service_revolutions is not None:  # then there is an orbit, which is checked
+            row = target.orbit.row(OBLATENESS_M2 if drifts else 0.0) if target.orbit else None
+            if row is not None:
+                stay_s = mission.service_revolutions * float(revolution_at(np.array(row), EPOCH_S))
+        if stay_s is not None and target.capture_s > stay_s:
+            raise ValueError(
+                f"field targets[{number}].capture_s = {target.capture_s!r}: longer than the "
+                f"service, {stay_s!r} s; give less, or leave it out for all of that"
+            )
 
 
 def check_decay(targets: Sequence[Target], chasers: Sequence[Chaser], *, drifts: bool) -> None:

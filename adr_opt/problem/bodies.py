@@ -20,6 +20,7 @@ from pydantic import (
 )
 
 from ..common.records import LARGEST_MASS_KG, Count, Name, Record, Window, check_window, without
+from .capture_windows import intervals_of, joined, windows_from
 from .disposal import Disposal
 from .orbit import Decay, Fit, Orbit
 
@@ -153,7 +154,9 @@ class Station(Record):
 class Target(Record):
     """A debris object that may be visited, and the prize for servicing it.
 
-    Its service begins not before ``window_s`` opens and ends before it closes. ``required``: a plan
+    Its service begins not before ``window_s`` opens and ends before it closes; with ``windows_s``,
+    several of these, the first ``capture_s`` of it lie within one, all of it by default, and the
+    rest where it will. ``required``: a plan
     has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without;
     "tow": it carries the object, which has ``mass_kg``, to its ``disposal``, by default the
     mission's, and goes on from there. It may have no orbit where connections are given.
@@ -163,7 +166,7 @@ class Target(Record):
     that ends by its time, with the tow if there is one; ``prize`` is what is left after the last.
     ``success``: the chance that a capture succeeds, for rehearsals and plans with a confidence.
     ``area_to_mass_m2_kg``: what drag acts on, for the lifetime of an object that is released. None
-    of these seven is in files that do not state it. A kit with a ``disposal`` brings the object
+    of these nine is in files that do not state it. A kit with a ``disposal`` brings the object
     there after the chaser has left.
     """
 
@@ -172,6 +175,8 @@ class Target(Record):
     prize: Prize = 1.0
     required: bool = False
     window_s: Window = (0.0, None)
+    windows_s: Annotated[tuple[Window, ...], Field(strict=False, min_length=1)] | None = None
+    capture_s: Annotated[float, Field(ge=0.0)] | None = None
     mass_kg: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_KG)] | None = None
     removal: Removal = "visit"
     object_id: ObjectId | None = None
@@ -181,6 +186,11 @@ class Target(Record):
     success: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     disposal: Disposal | None = None
     area_to_mass_m2_kg: Annotated[float, Field(gt=0.0, le=LARGEST_AREA_TO_MASS)] | None = None
+
+    @property
+    def windows(self) -> tuple[Window, ...]:
+        """All windows of its own, ascending and apart [s]."""
+        return (self.window_s,) if self.windows_s is None else self.windows_s
 
     def prize_at(self, end_s: float) -> float:
         """The prize of a service by its end, with the tow if there is one [s]."""
@@ -206,7 +216,7 @@ class Target(Record):
         return without(
             write(self),
             *("object_id", "decay_m_per_day", "fit", "prize_until", "success", "disposal"),
-            "area_to_mass_m2_kg",
+            *("area_to_mass_m2_kg", "windows_s", "capture_s"),
         )
 
     @model_validator(mode="after")
@@ -228,4 +238,14 @@ class Target(Record):
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         check_window("window_s", self.window_s)
+        for number, window in enumerate(self.windows_s or ()):
+            check_window(f"windows_s[{number}]", window)
+        if self.windows_s is not None:
+            if self.window_s != (0.0, None):
+                raise ValueError(
+                    "field windows_s: there is window_s as well; put it into the list, or leave it "
+                    "out"
+                )
+            merged = windows_from(joined([intervals_of(self.windows_s)]))
+            object.__setattr__(self, "windows_s", merged)
         return self

@@ -24,7 +24,10 @@ from ..common.sentences import sentence
 from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.orbits.eccentricity import matchings
 from ..kernels.orbits.ephemeris import EPOCH_S
+from .bodies import Target
+from .capture_windows import Array, FileWindows, WindowFile, file_of, intervals_of, read_windows
 from .chasers import availability
+from .ephemerides import EphemeridesFile
 from .format_2 import FORMAT as FORMAT
 from .given import Given, only
 from .given_files import read_named, write_given
@@ -45,6 +48,7 @@ class Instance(Shown, InstanceFile):
 
     _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
     _given: Given | None = PrivateAttr(default=None)
+    _windows: FileWindows | None = PrivateAttr(default=None)
     _folder: Path | None = PrivateAttr(default=None)
     _rows: KeptRows = PrivateAttr(default_factory=KeptRows)
 
@@ -73,6 +77,8 @@ class Instance(Shown, InstanceFile):
         made._folder = self._folder
         if made.transfer.given == self.transfer.given:
             made._given = self._given
+        if made.windows == self.windows:
+            made._windows = self._windows
         return made
 
     def with_given(
@@ -138,10 +144,87 @@ class Instance(Shown, InstanceFile):
             )
         return self._given
 
+    def with_windows(
+        self,
+        windows: FileWindows | Mapping[str, Array],
+        file: str = "windows.csv",
+        capture_s: float | None = None,
+    ) -> Self:
+        """The same instance with windows of all targets in a file, in place of their own.
+
+        Parameters
+        ----------
+        windows : FileWindows or mapping of str to (intervals, 2) float64
+            By target [s]; one that is not named may never be captured.
+        file : str
+            What the file is called that :meth:`save` writes them to, beside that of the instance.
+        capture_s : float, optional
+            Of every target; by default its own [s].
+
+        Raises
+        ------
+        InputError
+            A name is none of a target, or captures last longer than services.
+        """
+        if not isinstance(windows, FileWindows):
+            windows = file_of(windows)
+        free: dict[str, Any] = {"window_s": (0.0, None), "windows_s": None}
+        free |= {} if capture_s is None else {"capture_s": capture_s}
+        targets = tuple(target.replace(**free) for target in self.targets)
+        reference = WindowFile(file=file, sha256=windows.sha256)
+        return self.replace(targets=targets, windows=reference)._reading(windows)
+
+    def _reading(self, windows: FileWindows) -> Self:
+        """Take the windows that the field names."""
+        assert self.windows is not None
+        strange = sorted(windows.intervals.keys() - {target.name for target in self.targets})
+        if strange:
+            raise InputError(
+                f"{self.windows.file}: {strange[0]!r} is not a target of {self.name!r}"
+            )
+        self._windows = windows
+        return self
+
+    def is_limited(self, target: Target) -> bool:
+        """Whether services of a target may begin at some times only."""
+        return self.windows is not None or target.windows != ((0.0, None),)
+
+    def intervals_of(self, target: Target) -> Array:
+        """Windows of a target, shape (intervals, 2), +inf where the last never closes [s].
+
+        Raises
+        ------
+        InputError
+            They are in a file that was not read.
+        """
+        if self.windows is None:
+            return intervals_of(target.windows)
+        if self._windows is None:
+            raise InputError(
+                f"the windows of {self.name!r} are in {self.windows.file!r}, which was not read; "
+                "read the instance with adr_opt.load from a file beside it"
+            )
+        return self._windows.intervals.get(target.name, np.empty((0, 2)))
+
+    def without_closings(self) -> Self:
+        """The same instance with targets of which each may be captured once its window opens."""
+        opened = []
+        for target in self.targets:
+            opens_s = self.intervals_of(target)[:1, 0].tolist()  # of none in a file: at any time
+            window = (*opens_s, 0.0)[0], None
+            opened.append(target.replace(window_s=window, windows_s=None, capture_s=None))
+        return self.replace(targets=tuple(opened), windows=None)
+
     @property
     def is_all_in_file(self) -> bool:
-        """Whether its file alone gives it again: no connections beside it, no own time value."""
-        return self.transfer.given is None and self._time_value_m_s_per_h is None
+        """Whether its file alone gives it again: no others beside it, no own time value."""
+        given, _, windows = self.files_beside
+        return (given, windows, self._time_value_m_s_per_h) == (None, None, None)
+
+    @property
+    def files_beside(self) -> tuple[GivenFile | None, EphemeridesFile | None, WindowFile | None]:
+        """Files beside its own that it names, of connections, ephemerides and windows."""
+        return self.transfer.given, self.ephemerides, self.windows
 
     @property
     def nodes_drift(self) -> bool:
@@ -338,7 +421,7 @@ class Instance(Shown, InstanceFile):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read an instance file, and beside it that of its connections where they are given.
+        """Read an instance file, and beside it those of its connections and windows, if any.
 
         Raises
         ------
@@ -350,6 +433,15 @@ class Instance(Shown, InstanceFile):
         """
         instance = read_model(path, cls)
         instance._folder = Path(path).parent
+        if instance.windows is not None:
+            beside = instance._folder / instance.windows.file
+            windows = read_windows(beside)
+            if windows.sha256 != instance.windows.sha256:
+                raise InputError(
+                    f"{beside}: not the windows that {path} names: their sha256 is "
+                    f"{windows.sha256}; put the right file there, or make the instance anew"
+                )
+            instance._reading(windows)
         reference = instance.transfer.given
         if reference is None:
             return instance
@@ -383,7 +475,7 @@ class Instance(Shown, InstanceFile):
         return made
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the instance file and, beside it, given connections and ephemerides if any.
+        """Write the instance file and, beside it, what it names: connections, windows, ephemerides.
 
         Raises
         ------
@@ -400,6 +492,8 @@ class Instance(Shown, InstanceFile):
                 write_given(folder / reference.file, given)
             if reference.functions is not None and given.functions is not None:
                 write_functions(folder / reference.functions, given.functions)
+        if self.windows is not None and self._windows is not None:
+            self._windows.write(Path(path).parent / self.windows.file)
         if self.ephemerides is not None and self._folder is not None:
             self.ephemerides.copy_files(self._folder, Path(path).parent)
         write_text(path, self.to_json())

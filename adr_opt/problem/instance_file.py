@@ -31,8 +31,10 @@ from .agreement import (
     check_separation,
     check_stations,
     check_thrust,
+    check_windows,
 )
 from .bodies import Station, Target
+from .capture_windows import WindowFile
 from .chasers import Chaser, TankByMass
 from .disposal import Disposal, DisposalCircle
 from .ephemerides import EphemeridesFile
@@ -46,7 +48,8 @@ class InstanceFile(Record):
 
     ``frame``: the inertial frame that orbits and burns are in. Null means unknown,
     and is not written to files. ``ephemerides``: files with the true states of bodies, from which
-    orbits were fitted; not written either if there are none.
+    orbits were fitted; not written either if there are none. ``windows``: a file with the windows
+    of all targets, each as ``windows_s``; nor is that.
     """
 
     format: Literal["adr-opt-instance/3"] = format_2.FORMAT
@@ -62,10 +65,11 @@ class InstanceFile(Record):
     objective: Objective = Objective()
     keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
     ephemerides: EphemeridesFile | None = None
+    windows: WindowFile | None = None
 
     @model_serializer(mode="wrap")
     def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "frame", "ephemerides")
+        return without(write(self), "frame", "ephemerides", "windows")
 
     @model_validator(mode="after")
     def _something_drifts(self) -> Self:
@@ -98,6 +102,12 @@ class InstanceFile(Record):
             sum(target.required for target in self.targets),
         )
         check_falling_prizes(self.targets)
+        check_windows(
+            self.targets,
+            self.mission,
+            in_file=self.windows is not None,
+            drifts=self.dynamics == "j2",
+        )
         check_expense(self.chasers, self.objective)
         check_thrust(
             self.chasers,

@@ -97,8 +97,10 @@ def _windows(instance: Instance) -> Iterator[tuple[str, float]]:
     if instance.mission.duration_s < DAY_S:
         return
     for number, target in enumerate(instance.targets):
-        if target.window_s[1] is not None:
-            yield f"targets[{number}].window_s[1]", target.window_s[1]
+        last, closes = len(target.windows) - 1, target.windows[-1][1]
+        if closes is not None:
+            field = "window_s" if target.windows_s is None else f"windows_s[{last}]"
+            yield f"targets[{number}].{field}[1]", closes
 
 
 USUAL = (

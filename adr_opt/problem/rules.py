@@ -209,6 +209,17 @@ RULES = {
     "windows": Rule(
         ("targets[].window_s",), lambda i: any(t.window_s != (0.0, None) for t in i.targets)
     ),
+    "capture windows": Rule(
+        (
+            *("targets[].windows_s", "targets[].capture_s"),
+            *("windows", "windows.file", "windows.sha256"),
+        ),
+        lambda i: (
+            i.windows is not None
+            or any(t.windows_s is not None or t.capture_s is not None for t in i.targets)
+        ),
+        "give one window_s",
+    ),
     "prizes that fall": Rule(("targets[].prize_until",), _is_set("targets", "prize_until")),
     "decay": Rule(
         ("targets[].decay_m_per_day", "chasers[].start.decay_m_per_day"), lambda i: i.decays
@@ -400,6 +411,7 @@ JUDGED = (
     | RELEASES
     | MODELLED
     | {"functions of time", "functions of time for several chasers", "visits between refuellings"}
+    | {"capture windows"}
 )
 """What both judges state once more, and all follow that make, hold, compare and show what planners
 are told and plan: a rule comes in here by hand, with its judges."""

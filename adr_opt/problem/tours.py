@@ -29,10 +29,12 @@ def tour_obstacle(instance: Instance) -> str | None:
         return f"{chaser.name!r} has a limit of targets or kits, or a tank that is not full"
     if len({target.removal for target in instance.targets}) > 1:
         return "some targets take kits and others do not"
+    if instance.windows is not None:
+        return "targets have windows"
     for target in instance.targets:
         if not target.required:
             return f"{target.name!r} is not required"
-        if target.removal == "tow" or target.window_s != (0.0, None):
+        if target.removal == "tow" or target.windows != ((0.0, None),):
             return f"{target.name!r} is towed or has a window"
     return None
 

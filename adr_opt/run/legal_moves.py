@@ -72,13 +72,14 @@ def why_not_flown(mission: Mission, moves: list[int], made: int) -> str:
     """
     rules, j = mission.rules, moves[made]
     name = repr(mission.names[j])
-    if rules.closes[j] == -math.inf:
+    if rules.is_station[j] and rules.windows.closing[j] == -math.inf:
         return f"goes to {name}, where no refuelling is left"
     ways = _ways(mission, moves, made)
     if not ways.end_s.size:
         return f"goes to {name}, to which no transfer is left"
     lacks_m_s = ways.needs_m_s - ways.left_m_s
-    in_time, paid = ways.end_s <= rules.closes[j], lacks_m_s <= 0.0
+    in_time = ways.end_s <= rules.windows.closing[j] + rules.service[j]
+    paid = lacks_m_s <= 0.0
     told = []
     if in_time.any() or not paid.any():
         nearest = int(np.argmin(np.where(in_time | ~in_time.any(), lacks_m_s, np.inf)))
@@ -110,10 +111,11 @@ def _ways(mission: Mission, moves: list[int], made: int) -> _Ways:
     body = before[-1] if before else rules.start
     extra_m_s = _for_service(rules.loads, j, kits - schedules.kits_for(before))
     spent_m_s = mission.connecting.spent_m_s(body)
+    open_end = rules.windows.later(j, math.inf)
     found = []
     for ready_s, left_m_s in zip(front.ready, front.left, strict=True):
         after = schedules.from_ready(body, j, np.array([ready_s])).after(float(ready_s))
-        ends_s = service_ends(after.arrival, rules.opens[j], rules.service[j])
+        ends_s = service_ends(open_end, j, after.arrival, rules.service[j])
         needs_m_s = after.delta_v + (extra_m_s - spent_m_s)
         found.append((needs_m_s, np.full(ends_s.size, left_m_s - spent_m_s), ends_s))
     return _Ways(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
@@ -132,13 +134,13 @@ def _for_service(loads: Loads | None, body: int, kits: int) -> float:
 def _after(mission: Mission, body: int, end_s: float) -> str:
     """The limit that an end violates."""
     rules = mission.rules
-    closes_s = float(rules.closes[body])
+    service_s, closing_s = float(rules.service[body]), float(rules.windows.closing[body])
     if end_s <= rules.duration:
-        return f", {_lasting(end_s - closes_s)} after its window closes"
+        return f", {_lasting(end_s - service_s - closing_s)} after its window closes"
     ends = "the mission"
     if rules.duration < mission.instance.mission.duration_s:
         ends = "its chaser is gone"
-    closed = ", and its window closes before" if closes_s < rules.duration else ""
+    closed = ", and its window closes before" if closing_s < rules.duration - service_s else ""
     return f", {_lasting(end_s - rules.duration)} after {ends}{closed}"
 
 

@@ -158,14 +158,14 @@ def _add_times(
     rules = [mission.rules for mission in problem.missions]
     ends = [math.floor(each.duration) for each in rules]
     times = routing.RegisterTransitMatrix(_between(nodes, duration, max(ends) + 1).tolist())
-    waits = math.ceil(max(float(each.opens.max()) - each.ready for each in rules))
+    waits = math.ceil(max(float(each.windows.opening.max()) - each.ready for each in rules))
     routing.AddDimensionWithVehicleCapacity(times, waits, ends, False, "time")
     time_of = routing.GetDimensionOrDie("time")
     for vehicle, each in enumerate(rules):
         time_of.CumulVar(routing.Start(vehicle)).SetValue(math.ceil(each.ready))
     # Of all chasers together: each one's own times are those of its start and end.
-    opens = np.min([each.opens for each in rules], axis=0) + rules[0].service
-    closes = np.max([each.closes for each in rules], axis=0)
+    opens = np.min([each.windows.opening for each in rules], axis=0) + rules[0].service
+    closes = np.max([each.windows.closing + each.service for each in rules], axis=0)
     for node in range(nodes.starts[0]):
         body = nodes.body[node]
         latest = math.floor(closes[body])

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed, write
+from adr_opt.kernels.core.windows import last_begin
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.kernels.rules.loads import most_kits
 from adr_opt.mission.mission import Mission
@@ -125,7 +126,7 @@ def greedy_next(rules, is_required, state, visited, costs, guarded, required, ur
         taken_s = after.resources.time - rules.service[j] - state.resources.time
         cost = costs.alpha * delta_v + costs.beta * taken_s
         if urgent:
-            cost = rules.closes[j]
+            cost = last_begin(rules.windows, j) + rules.service[j]
         if cost < best_cost:
             best, best_cost = j, cost
         if guarded and cost < safe_cost and rule_kernels.has_way_back(rules, after):

@@ -16,7 +16,7 @@ from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.common.tolerance import MOST_STEPS, are_multiples
 from adr_opt.kernels.core.compile import kernel
-from adr_opt.kernels.core.windows import service_end, service_ends
+from adr_opt.kernels.core.windows import service_end
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.orbits.ephemeris import EPOCH_S
 from adr_opt.kernels.rules.rules import Rules
@@ -59,8 +59,8 @@ def _least(j, departure, arrival, delta_v, rules):
     """
     cost, flown = math.inf, math.inf
     for c in range(departure.size):
-        end = service_end(arrival[c], rules.opens[j], rules.service[j])
-        if delta_v[c] <= rules.budget and end <= rules.closes[j]:
+        end = service_end(rules.windows, j, arrival[c], rules.service[j])
+        if delta_v[c] <= rules.budget and end < math.inf:
             cost = min(cost, delta_v[c])
             flown = min(flown, end - departure[c])
     return cost, flown
@@ -185,8 +185,9 @@ class StaticModel:
     def _time(self, j: int) -> cp_model.IntVar:
         """End of a service in units; arbitrary if it is not made."""
         rules = self._rules
-        earliest = float(service_ends(rules.ready, rules.opens[j], rules.service[j]))
-        latest = math.ceil(min(rules.closes[j], rules.duration) * STEPS_PER_S)
+        opens, latest = rules.windows.opening[j], rules.windows.closing[j] + rules.service[j]
+        earliest = float(max(rules.ready, opens) + rules.service[j])
+        latest = math.ceil(latest * STEPS_PER_S)
         return self.block.new_int_var(
             min(max(0, math.floor(earliest * STEPS_PER_S)), latest), latest, ""
         )
@@ -247,7 +248,7 @@ class StaticModel:
         for i, j, move, takes in ways:
             self.block.add(end[j] >= end[i] + takes).only_enforce_if(move)
         for (i, s), move in self._last.items():
-            latest = math.ceil(rules.closes[s] * STEPS_PER_S)
+            latest = math.ceil((rules.windows.closing[s] + rules.service[s]) * STEPS_PER_S)
             self.block.add(end[i] + flown[i, s] <= latest).only_enforce_if(move)
         # Implied: each visit takes its least time at least. Weak, but understood at once.
         left = self._duration - ready

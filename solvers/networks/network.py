@@ -86,11 +86,11 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
     """
     count, rows, shortest = 0, 0, np.inf
     for c in range(departure.size):
-        done = service_end(arrival[c], rules.opens[j], rules.service[j])
+        done = service_end(rules.windows, j, arrival[c], rules.service[j])
         together = count > 0 and departure[c] == departure[count - 1]
         if together and delta_v[c] >= delta_v[count - 1]:
             continue
-        if delta_v[c] <= rules.budget and done <= rules.closes[j]:
+        if delta_v[c] <= rules.budget and done < np.inf:
             end[crossing[c]] = min(end[crossing[c]], done)
             shortest = min(shortest, done - departure[c])
             rows += not together

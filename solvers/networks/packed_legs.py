@@ -123,8 +123,8 @@ def _put(j, found, rules, units, ahead, earliest, room, count):
     for cost in range(earliest.size):
         earliest[cost] = NEVER
     for c in range(found.departure.size - 1, -1, -1):
-        done = service_end(found.arrival[c], rules.opens[j], rules.service[j])
-        if found.delta_v[c] > rules.budget or done > rules.closes[j]:
+        done = service_end(rules.windows, j, found.arrival[c], rules.service[j])
+        if found.delta_v[c] > rules.budget or done == math.inf:
             continue
         departure = max(0, math.floor(found.departure[c] / length)) + ahead
         landing = max(0, math.floor(earliest_taken(done) / length)) + 1

@@ -94,9 +94,9 @@ def table_of(mission: Mission) -> ConnectionTable:
         taken = np.empty(found.departure.size, dtype=np.int64)
         wanted = np.empty(found.departure.size, dtype=np.bool_)
         _mark(found, limits, j, values, taken, wanted)
-        end = service_ends(found.arrival[wanted], rules.opens[j], rules.service[j])
+        end = service_ends(rules.windows, j, found.arrival[wanted], rules.service[j])
         cost = found.delta_v[wanted]
-        kept = (end <= min(rules.closes[j], rules.duration)) & (cost <= rules.budget)
+        kept = (end <= rules.duration) & (cost <= rules.budget)
         end, cost = end[kept], cost[kept]
         departure = found.departure[wanted][kept]
         departures.append(departure)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.windows import opening
 
 from .ways import arrives, leaves, pair_of
 
@@ -114,7 +115,7 @@ def time_forth(ways, order, first, length, settled):
     nodes, early = order.nodes, order.early
     for p in range(first, length):
         node = nodes[p]
-        end = ways.opens[node]
+        end = opening(ways.windows, node)
         if not is_start(ways, node):
             end = arrives(ways, nodes[p - 1], node, early[nodes[p - 1]])
         same, early[node] = end == early[node], end

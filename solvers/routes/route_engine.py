@@ -132,7 +132,7 @@ class RouteEngine:
         """Anneal the order from hot to cold; returns the best routes met."""
         stops = self._nodes[: self._length]
         collected = float(self._prize[stops[stops < self._ways.bodies]].sum())
-        duration = float(self._ways.closes.max() - self._ways.opens.min())
+        duration = float(self._ways.closes.max() - self._ways.windows.opens.min())
         with halted_by(self._stop) as halt:
             best, _, _, self._length, done = anneal(
                 self._ways,

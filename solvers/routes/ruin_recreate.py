@@ -22,6 +22,7 @@ import numpy as np
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed, write
+from adr_opt.kernels.core.windows import opening
 
 from .orders import (
     best_position,
@@ -245,7 +246,7 @@ def cost_of_all(ways, terms, order):
         if order.visited[chaser] and terms.by_time:
             total = max(total, end)
         elif order.visited[chaser]:
-            total += order.spent[chaser] + terms.price * (end - ways.opens[start])
+            total += order.spent[chaser] + terms.price * (end - opening(ways.windows, start))
     return total
 
 
@@ -348,7 +349,7 @@ def _anneal(ways, terms, here, there, length, near, absent, cooling, rng, halt, 
     deadline, later, since, iteration = math.inf, 0.0, RENEWED, 0
     cost, since_s = best_cost, 0.0
     if terms.by_time:
-        since_s = ways.opens[ways.bodies]
+        since_s = opening(ways.windows, ways.bodies)
     copy_order(here, there)
     while iteration < cooling.iterations and not halt[0]:
         share = iteration / cooling.iterations

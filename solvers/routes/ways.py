@@ -17,7 +17,7 @@ import numpy.typing as npt
 from adr_opt.common.constants import SLACK_S
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
-from adr_opt.kernels.core.windows import service_end, service_ends
+from adr_opt.kernels.core.windows import Windows, latest_arrival, service_end, service_ends
 from adr_opt.kernels.legs.given import leg_of
 from adr_opt.legs.service_limits import limits_of
 from adr_opt.mission.problem import Problem
@@ -55,9 +55,10 @@ class Ways(NamedTuple):
         The most that a leg of a pair costs [m/s].
     least : (pairs,) float64
         No less is it from a ready time to the end of the service, +inf without a leg [s].
-    service, opens, closes : (nodes,) float64
-        Service begins no earlier than it opens and ends no later than it closes; a start opens when
-        the chaser is ready there [s].
+    windows : Windows
+        Of services at the nodes; that of a start opens when the chaser is ready there.
+    service, closes : (nodes,) float64
+        How long services take, and when they have to be over [s].
     bodies : int
     """
 
@@ -68,8 +69,8 @@ class Ways(NamedTuple):
     is_function: npt.NDArray[np.bool_]
     cost: FloatArray
     least: FloatArray
+    windows: Windows
     service: FloatArray
-    opens: FloatArray
     closes: FloatArray
     bodies: int
 
@@ -106,7 +107,7 @@ def arrives(ways, a, b, ready):
                 high = middle
         if low < last:
             lands = ways.arrival[low]
-    return service_end(lands, ways.opens[b], ways.service[b])
+    return service_end(ways.windows, b, lands, ways.service[b])
 
 
 @inlined
@@ -116,11 +117,11 @@ def leaves(ways, a, b, latest):
     if pair < 0:
         return latest
     begin, last = ways.first[pair], ways.first[pair + 1]
-    opens, service = ways.opens[b], ways.service[b]
+    arrive = latest_arrival(ways.windows, b, latest - ways.service[b])
     low, high = begin, last
     while low < high:
         middle = (low + high) // 2
-        if service_end(ways.arrival[middle], opens, service) <= latest:
+        if service_end(ways.windows, b, ways.arrival[middle], ways.service[b]) <= latest:
             low = middle + 1
         else:
             high = middle
@@ -129,7 +130,7 @@ def leaves(ways, a, b, latest):
     known = ways.departure[low - 1]
     if low < last and ways.is_function[pair]:
         rise = ways.arrival[low] - ways.arrival[low - 1]
-        share = (latest - service - ways.arrival[low - 1]) / rise
+        share = (arrive - ways.arrival[low - 1]) / rise
         known += max(share - ROUNDED, 0.0) * (ways.departure[low] - known)
         known -= ROUNDED * abs(known)
     return known
@@ -187,12 +188,15 @@ def ways_of(problem: Problem) -> Ways:
     starts = [instance.starts[chaser] for chaser in range(len(chasers))]
     nodes = [*range(bodies), *(n for pair in zip(starts, ends, strict=True) for n in pair)]
     body = np.array(nodes, dtype=np.int64)
-    service, opens = everybody.service[body], everybody.opens[body]
-    closes = np.minimum(everybody.closes, everybody.duration)[body]
+    service, windows = everybody.service[body], everybody.windows.of(np.maximum(body, 0))
     for chaser, its in enumerate(limits):
         start, end = bodies + 2 * chaser, bodies + 2 * chaser + 1
-        service[start], opens[start], closes[start] = 0.0, its.ready, its.duration
-        closes[end] = min(closes[end], its.duration) if ends[chaser] >= 0 else its.duration
+        service[start] = 0.0
+        windows = windows.only(start, its.ready, its.duration)
+        latest = its.duration - service[end]
+        latest = min(latest, windows.closing[end]) if ends[chaser] >= 0 else latest
+        windows = windows.only(end, windows.opening[end], latest)
+    closes = windows.closing + service
     named = np.array([number.get(name, -1) for name in given.names], dtype=np.int64)
     i, j = named[given.origin], named[given.destination]
     wanted = (i >= 0) & (j >= 0) & ((j >= begin) | np.isin(j, ends))
@@ -207,9 +211,11 @@ def ways_of(problem: Problem) -> Ways:
             departure, arrival = (
                 np.append(each, np.full(to.size, its.ready)) for each in (departure, arrival)
             )
-    over = service_ends(arrival, everybody.opens[pair % bodies], everybody.service[pair % bodies])
-    possible = over <= everybody.closes[pair % bodies]
-    pair, departure, arrival, over = (c[possible] for c in (pair, departure, arrival, over))
+    to = pair % bodies
+    over = service_ends(everybody.windows, to, arrival, everybody.service[to])
+    possible = np.isfinite(over)
+    pair, over = pair[possible], over[possible]
+    departure, arrival = departure[possible], arrival[possible]
     # Of those that leave together the first is the earliest: the others are dropped by it.
     order = np.lexsort((-arrival, departure, pair))
     kept = np.empty(order.size, dtype=np.bool_)
@@ -236,5 +242,5 @@ def ways_of(problem: Problem) -> Ways:
     _least(first, departure, arrival, least)
     least += np.tile(everybody.service, bodies) - SLACK_S
     return Ways(
-        body, first, departure, arrival, is_function, cost, least, service, opens, closes, bodies
+        body, first, departure, arrival, is_function, cost, least, windows, service, closes, bodies
     )

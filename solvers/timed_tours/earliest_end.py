@@ -35,7 +35,7 @@ from .relaxation import (
     steps_of,
     whole_bands,
 )
-from .tour import TimedTour, deadlines
+from .tour import TimedTour, deadlines, last_end
 
 
 @kernel
@@ -182,7 +182,7 @@ class EarliestEnd:
         known_s: float = math.inf,
     ) -> None:
         self._tour, self._over, self._jobs, self._most_labels = tour, over, jobs, most_labels
-        self._latest_s = float(tour.closes[tour.targets + 1])
+        self._latest_s = float(last_end(tour, tour.targets + 1))
         self.order: npt.NDArray[np.int64] | None = None
         self.end_s, self.bound_s, self.labels = known_s, tour.ready, 0
         self._multipliers: npt.NDArray[np.float64] = np.zeros(tour.targets)  # [s]

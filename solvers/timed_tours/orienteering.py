@@ -16,7 +16,7 @@ import numpy.typing as npt
 from adr_opt.common.constants import SLACK_S
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
-from adr_opt.kernels.core.windows import service_end
+from adr_opt.kernels.core.windows import Windows, last_begin, service_end
 from adr_opt.kernels.legs.given import leg_of
 from adr_opt.mission.mission import Mission
 
@@ -61,7 +61,8 @@ class RouteTerms(NamedTuple):
     Attributes
     ----------
     first_target, stations, start, most_targets : int
-    service, opens, closes, worth : (bodies,) float64
+    windows : Windows
+    service, worth : (bodies,) float64
     may_end : (bodies,) bool
     budget, ready, duration : float
     price : float
@@ -74,9 +75,8 @@ class RouteTerms(NamedTuple):
     stations: int
     start: int
     most_targets: int
+    windows: Windows
     service: FloatArray
-    opens: FloatArray
-    closes: FloatArray
     worth: FloatArray
     may_end: npt.NDArray[np.bool_]
     budget: float
@@ -255,15 +255,14 @@ def grow(legs, question, routes, table, cursor):
                 or serviced == terms.most_targets
             ):
                 continue
-            until = min(terms.closes[j], terms.duration)
             is_function, earliest = legs.is_function[pair], earliest_taken(time)
             # Of a function the leg that leaves now is enough: who leaves later arrives no earlier.
             for row in range(begin, begin + 1 if is_function else end):
                 cost, leaves, lands = legs.cost[row], legs.departure[row], legs.arrival[row]
                 if is_function:
                     leaves, lands = leg_of(legs.departure, legs.arrival, begin, end, time)
-                over = service_end(lands, terms.opens[j], terms.service[j])
-                if leaves < earliest or cost > left or not over <= until:
+                over = service_end(terms.windows, j, lands, terms.service[j])
+                if leaves < earliest or cost > left or not over <= terms.duration:
                     continue
                 rest = terms.budget if refuels else left - cost
                 paid = routes.cost[label] + cost
@@ -309,9 +308,8 @@ class Orienteering:
             rules.stations,
             rules.start,
             rules.limits.targets,
+            rules.windows,
             rules.service,
-            rules.opens,
-            rules.closes,
             rules.prize,
             rules.may_end,
             rules.budget,
@@ -439,7 +437,7 @@ def _latest_of(legs, terms):
     for i in range(bodies):
         for j in range(bodies):
             pair = i * bodies + j
-            until = min(terms.closes[j], terms.duration) - terms.service[j] + SLACK_S
+            until = last_begin(terms.windows, j) + SLACK_S
             begin, end = legs.first[pair], legs.first[pair + 1]
             for row in range(begin, end):
                 # Of a function what lands too late may leave in time until just before.

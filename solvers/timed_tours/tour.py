@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.kernels.core.compile import inlined, kernel
-from adr_opt.kernels.core.windows import service_end
+from adr_opt.kernels.core.windows import Windows, last_begin, service_end
 from adr_opt.kernels.legs.given import leg_of
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.chasers import AtStation
@@ -38,8 +38,10 @@ class TimedTour(NamedTuple):
         First breakpoint of the function of a pair, by origin · places + destination.
     departure, arrival : (breakpoints,) float64
         [s].
-    service, opens, closes : (places,) float64
-        [s], with the slack of limits.
+    service : (places,) float64
+        [s].
+    windows : Windows
+        With the slack of limits.
     ready : float
         Since when the chaser is at the start [s].
     anywhere : bool
@@ -51,8 +53,7 @@ class TimedTour(NamedTuple):
     departure: FloatArray
     arrival: FloatArray
     service: FloatArray
-    opens: FloatArray
-    closes: FloatArray
+    windows: Windows
     ready: float
     anywhere: bool
 
@@ -63,8 +64,13 @@ def _direct(tour, i, j, time):
     places = tour.service.size
     pair = i * places + j
     _, lands = leg_of(tour.departure, tour.arrival, tour.first[pair], tour.first[pair + 1], time)
-    end = service_end(lands, tour.opens[j], tour.service[j])
-    return end if end <= tour.closes[j] else math.inf
+    return service_end(tour.windows, j, lands, tour.service[j])
+
+
+@inlined
+def last_end(tour, j):
+    """Latest end of the service at a place; −inf for none [s]."""
+    return last_begin(tour.windows, j) + tour.service[j]
 
 
 @inlined
@@ -115,7 +121,7 @@ def end_of(tour, order):
 @kernel
 def _latest(tour, i, j, until):
     """A time at i from which j can be reached by another time, or a little later; −inf for none."""
-    low, high = tour.ready, tour.closes[i]
+    low, high = tour.ready, last_end(tour, i)
     if high < low or reached(tour, i, j, low) > until:
         return -math.inf
     if reached(tour, i, j, high) <= until:
@@ -149,9 +155,9 @@ def deadlines(tour, until):
     for i in range(size + 1):
         for j in range(size + 1):
             to = end if j == size else j
-            found[i, j] = _latest(tour, i, to, min(until, tour.closes[to]))
+            found[i, j] = _latest(tour, i, to, min(until, last_end(tour, to)))
             if i == j and i < size:
-                found[i, j] = tour.closes[i]
+                found[i, j] = last_end(tour, i)
     better = True
     while better:
         better = False
@@ -164,7 +170,7 @@ def deadlines(tour, until):
                     now = max(found[i, j], tour.ready)
                     if (
                         last > -math.inf
-                        and now < tour.closes[i]
+                        and now < last_end(tour, i)
                         and (reached(tour, i, by, now + 1e-9 * (1.0 + abs(now))) <= last)
                     ):
                         later = _latest(tour, i, by, last)
@@ -206,18 +212,17 @@ def tour_of(mission: Mission) -> TimedTour | None:
             dearest = max(dearest, cost)
     if dearest * 2.0 * (targets + 1) > rules.budget:
         return None
-    closes = np.minimum(rules.closes, rules.duration)[bodies]
-    closes[targets] = rules.duration  # also of a station that refuels nobody
-    if not ends:
-        closes[targets + 1] = rules.duration
+    service, windows = rules.service[bodies], rules.windows.of(np.array(bodies))
+    # Also of a station that refuels nobody.
+    for place in (targets, targets + 1)[: 1 if ends else 2]:
+        windows = windows.later(place, rules.duration - service[place])
     return TimedTour(
         targets,
         np.array(first, dtype=np.int64),
         np.concatenate(leaves),
         np.concatenate(lands),
-        rules.service[bodies],
-        rules.opens[bodies],
-        closes,
+        service,
+        windows,
         rules.ready,
         not ends,
     )

@@ -13,9 +13,10 @@ from conftest import Cli
 
 import adr_opt
 from adr_opt.analysis.windows import STATIONS, CaptureConditions, GroundStation, windows_of
-from adr_opt.analysis.windows.intervals import common, joined, lasting, positive, shrunk
+from adr_opt.analysis.windows.intervals import common, lasting, positive, shrunk
 from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.fly.trajectory.bodies import body_states
+from adr_opt.problem.capture_windows import joined
 from adr_opt.problem.instance import Instance
 
 NEAR_DEG = 0.05

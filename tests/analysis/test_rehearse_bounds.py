@@ -104,7 +104,7 @@ def _most_in_world(facts: MissionFacts, world: DrawnWorld) -> float:
             took_s *= world.first_success(name) or 1
             factor = world.leg_factor("short", name)
             ends = [
-                (max(arrival, float(limits.opens[j])) + took_s, left - factor * cost)
+                (max(arrival, float(limits.windows.opening[j])) + took_s, left - factor * cost)
                 for free, left in fronts
                 for departure, arrival, cost in zip(
                     rows.departure, rows.arrival, rows.delta_v, strict=True

@@ -182,7 +182,7 @@ def _worth_of_times(
             if j < facts.stations or (outcome == "dry" and not made.tries):
                 continue
             name, planned_s = facts.names[j], float(limits.service[j])
-            begin_s = max(made.hop.arrival, float(limits.opens[j]))
+            begin_s = max(made.hop.arrival, float(limits.windows.opening[j]))
             left_s = limits.duration - begin_s
             times = ServiceTimes(planned_s, uncertainty.service_of(name))
             mean = uncertainty.success_of(name) * facts.prizes[j] * times.chance_by(left_s)

@@ -215,7 +215,7 @@ def _best(facts: MissionFacts, uncertainty: Uncertainty, worths: dict[int, float
             model = uncertainty.factor_of(kind, name)
             mean, sigma = (1.0, 0.0) if model is None else model.moments
             cost = float(rows.delta_v[row])
-            begin = float(service_begin(rows.arrival[row], what.limits.opens[j]))
+            begin = float(service_begin(what.limits.windows, j, rows.arrival[row]))
             stay = allotted.get(j, float(what.limits.service[j]))
             if begin + stay > what.limits.duration:
                 continue

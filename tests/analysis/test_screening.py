@@ -13,7 +13,8 @@ from conftest import Cli
 from serve_catalogue import catalogue
 
 import adr_opt
-from adr_opt.analysis.screening import CloseApproach, screen
+import adr_opt.ui.plot
+from adr_opt.analysis.screening import CloseApproach, collision_probability, read_errors, screen
 from adr_opt.analysis.screening.flown import FlownArc, flown_arcs
 from adr_opt.common.errors import InputError
 from adr_opt.plan.refined_plan import RefinedPlan
@@ -132,6 +133,19 @@ def test_an_approach_has_its_parts(
     assert set(closer) == {each for each in found if each.miss_m <= 0.5 * DISTANCE_M}
 
 
+def test_approaches_can_be_drawn(
+    refined: tuple[Instance, RefinedPlan], records: tuple[ElementSet, ...]
+) -> None:
+    """A mark for each stands at its day and its miss."""
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    found = screen(*refined, records, distance_m=DISTANCE_M)
+    figure, ax = pyplot.subplots()
+    drawn = adr_opt.ui.plot.approaches(ax, found).lines
+    places = {(float(x), float(y)) for line in drawn for x, y in zip(*line.get_data(), strict=True)}
+    assert places == {(each.time_s / 86400.0, each.miss_m / 1000.0) for each in found}
+    pyplot.close(figure)
+
+
 def test_bodies_that_are_visited_are_told_apart(
     refined: tuple[Instance, RefinedPlan], records: tuple[ElementSet, ...]
 ) -> None:
@@ -165,7 +179,7 @@ def test_the_verb_writes_all_approaches(cli: Cli, refined: tuple[Instance, Refin
         rows = list(csv.DictReader(file))
     assert [row["epoch"] for row in rows] == [each["epoch"] for each in said["approaches"]]
     assert said["objects"] == 40
-    assert set(rows[0]) == set(CloseApproach.__dataclass_fields__)
+    assert set(rows[0]) == set(CloseApproach.__dataclass_fields__) - {"states"}
     told = cli(*call)
     assert "nearest approaches" in told.out
 
@@ -186,3 +200,100 @@ def test_what_cannot_be_screened_is_refused(
     outcome = cli("screen", "a.json", "r.json", "a.json", "--out", "s.csv")
     assert outcome.status == 2
     assert not Path("s.csv").exists()
+
+
+ERRORS = """object,radius_m,cr_r,ct_r,ct_t,cn_r,cn_t,cn_n
+chaser,3,100,20,400,0,0,100
+*,2,1e8,0,4e8,0,1e6,1e8
+"""
+"""Errors of a chaser and of all other objects."""
+
+
+def test_a_probability_is_that_of_a_published_case() -> None:
+    """The circle of the first Omitron case of NASA's CARA analysis tools, to three digits."""
+    first = np.array([378.39559, 4305.721887, 5752.767554])
+    second = np.array([374.5180598, 4307.560983, 5751.130418])
+    rates = np.array([2.360800244, 5.580331936, -4.322349039])
+    rate = np.array([-5.388125081, -3.946827739, 3.322820358]) - rates
+    one = [
+        [44.5757544811362, 81.6751751052616, -67.8687662707124],
+        [81.6751751052616, 158.453402956163, -128.616921644857],
+        [-67.8687662707124, -128.616921644858, 105.490542562701],
+    ]
+    other = [
+        [2.31067077720423, 1.69905293875632, -1.4170164577661],
+        [1.69905293875632, 1.24957388457206, -1.04174164279599],
+        [-1.4170164577661, -1.04174164279599, 0.869260558223714],
+    ]
+    found = collision_probability(second - first, rate, np.array(one) + np.array(other), 0.020)
+    assert found == pytest.approx(2.70601573490125e-05, rel=1e-3)
+
+
+def test_a_probability_is_that_of_drawn_positions() -> None:
+    """Of drawn relative positions so many pass within the radius, wide and narrow ones."""
+    rng = np.random.default_rng(7_130_001)
+    for scale in (0.02, 0.5, 3.0, 40.0):
+        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        covariance = turn @ np.diag((scale * np.array([0.5, 1.0, 3.0])) ** 2) @ turn.T
+        rate = rng.normal(size=3)
+        along = rate / np.linalg.norm(rate)
+        apart = rng.normal(size=3)
+        apart -= (apart @ along) * along
+        drawn = rng.multivariate_normal(apart, covariance, size=200_000)
+        passes = np.linalg.norm(drawn - np.outer(drawn @ along, along), axis=1)
+        share = float(np.mean(passes <= 1.5))
+        found = collision_probability(apart, rate, covariance, 1.5)
+        assert found == pytest.approx(share, abs=5.0 * np.sqrt(share * (1.0 - share) / 2e5) + 1e-9)
+
+
+def test_messages_are_read_by_another_library(
+    cli: Cli, refined: tuple[Instance, RefinedPlan]
+) -> None:
+    """Each approach that is no visit has its message, with both states a miss apart in GCRF."""
+    ndm_io = pytest.importorskip("ccsds_ndm.ndm_io")
+    instance, plan = refined
+    instance.save("a.json")
+    plan.save("r.json")
+    Path("c.tle").write_bytes(catalogue(40, seed=5))
+    Path("e.csv").write_text(ERRORS, encoding="utf-8")
+    call = "screen", "a.json", "r.json", "c.tle", "--distance", "2.5e5", "--errors", "e.csv"
+    outcome = cli(*call, "--messages", "m", "--json")
+    assert outcome.status == 0, outcome
+    listed = [each for each in json.loads(outcome.out)["approaches"] if not each["own"]]
+    files = sorted(Path("m").iterdir())
+    assert len(files) == len(listed) > 3
+    assert any(each["probability"] for each in listed)
+    for file, each in zip(files, listed, strict=True):
+        read = ndm_io.NdmIo().from_path(file)
+        about = read.body.relative_metadata_data
+        assert about.tca == each["epoch"].removesuffix("Z")
+        assert float(about.miss_distance.value) == pytest.approx(each["miss_m"], abs=1e-3)
+        assert (about.collision_probability is None) == (each["probability"] is None)
+        states = []
+        for segment in read.body.segment:
+            assert segment.metadata.ref_frame.value == "GCRF"
+            state = segment.data.state_vector
+            states.append([float(axis.value) for axis in (state.x, state.y, state.z)])
+        apart_m = 1e3 * np.linalg.norm(np.subtract(*states))
+        assert apart_m == pytest.approx(each["miss_m"], abs=0.01)
+    again = cli(*call, "--messages", "m")
+    assert again.status == 2
+    assert "exists already" in again.err
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("a,0,1,0,1,0,0,1", "radius_m = 0"),
+        ("a,1,1,2,1,0,0,1", "positive definite"),
+        ("a,1,x,0,1,0,0,1", "must be numbers"),
+        ("a,1,nan,0,1,0,0,1", "positive definite"),
+        (",1,1,0,1,0,0,1", "a name is missing"),
+    ],
+)
+def test_errors_that_are_none_are_refused(line: str, said: str, tmp_path: Path) -> None:
+    """A row says what is wrong with it, with its line."""
+    path = tmp_path / "e.csv"
+    path.write_text(ERRORS.splitlines()[0] + "\n" + line + "\n", encoding="utf-8")
+    with pytest.raises(InputError, match=f"line 2: .*{said}"):
+        read_errors(path)

@@ -112,16 +112,7 @@ def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
                 empty_kg = tank.dry_mass_kg + kits * chaser.kit_mass_kg
                 caps = SLACK_M_S + tank.exhaust_m_s * np.log(pair.mass_kg / empty_kg)
             flown = (pair.departure, pair.arrival, pair.delta_v, pair.delta_v)
-            visit = Visit(
-                j,
-                kits,
-                limits.service[j],
-                limits.opens[j],
-                limits.closes[j],
-                j < first,
-                budget,
-                caps=caps,
-            )
+            visit = Visit(j, kits, limits.service[j], limits.windows, j < first, budget, caps=caps)
             ready, left, spent, _, _ = follow(ready, left, spent, np.empty(0), flown, visit, loads)
             kits -= 0 if loads is None else int(loads.takes[j])
             assert ready.size

@@ -65,6 +65,18 @@ def test_no_key_stands_twice_in_a_file(door: str, tmp_path: Path) -> None:
     assert "\n" not in str(told.value)
 
 
+@pytest.mark.parametrize(
+    "door", ["instance", "plan", "refined", "certificate", "uncertainty", "project", "result"]
+)
+def test_a_file_of_another_kind_is_called_so(door: str, tmp_path: Path) -> None:
+    """All that another kind of file lacks follows from its format, which alone is named."""
+    path = tmp_path / "file.json"
+    path.write_text('{"format": "adr-opt-library/1", "name": "x"}', encoding="utf-8")
+    with pytest.raises(InputError, match=r"; this is a file of another kind$") as told:
+        DOORS[door][1](path)
+    assert 'format = "adr-opt-library/1"' in str(told.value)
+
+
 @pytest.mark.parametrize("key", ["NORAD_CAT_ID", "norad_cat_id", "OWN_FIELD"])
 def test_no_key_stands_twice_in_a_catalogue(key: str, tmp_path: Path) -> None:
     """Keywords of OMM in any spelling, and every other key as it is spelt."""

@@ -9,7 +9,9 @@ import numpy as np
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.legs.service_limits import services_s
 from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.capture_windows import windows_from
 from adr_opt.problem.chasers import AnyTank, AtStation, Chaser, InOrbit, Tank, TankByMass
 from adr_opt.problem.given import among, of_rows
 from adr_opt.problem.instance import Instance
@@ -321,7 +323,7 @@ def mixed_campaign(seed: int, draw: Callable[[int], Instance] = random_mission) 
     if rng.random() < 0.4:
         for number in np.flatnonzero(rng.random(len(targets)) < 0.5):
             opens = float(rng.uniform(0.0, 0.5)) * duration
-            closes = float(rng.uniform(opens, duration)) if rng.random() < 0.7 else None
+            closes = float(rng.uniform(opens, duration)) if rng.random() < 0.8 else None
             targets[number] = targets[number].replace(window_s=(opens, closes))
     if len(stations) == 1 and rng.random() < 0.6:
         there = targets[-1].orbit.replace(true_anomaly_deg=50.0)
@@ -625,6 +627,42 @@ def visiting_hurried(seed: int) -> Instance:
     return visiting(hurried_mission(seed), seed)
 
 
+def captured(instance: Instance, seed: int) -> Instance:
+    """The same with several windows of most targets, by turns in a file, and short captures."""
+    rng, targets = np.random.default_rng([16, seed]), []
+    windows: dict[str, np.ndarray] = {}
+    stays_s = services_s(instance)[instance.first_target :].tolist()
+    for target, stay_s in zip(instance.targets, stays_s, strict=True):
+        edges = rng.uniform(0.0, instance.mission.duration_s, 2 * int(rng.integers(1, 7)))
+        if rng.random() < 0.2:
+            edges = np.array([0.0, instance.mission.duration_s])
+        intervals = np.sort(edges).reshape(-1, 2)
+        capture_s = float(rng.uniform(0.0, 0.8)) * stay_s if rng.random() < 0.8 else None
+        windows[target.name] = intervals
+        plain = target.replace(window_s=(0.0, None), capture_s=capture_s)
+        targets.append(plain if seed % 4 == 0 else plain.replace(windows_s=windows_from(intervals)))
+    name = f"{instance.name}-captured"
+    made = instance.replace(name=name, targets=tuple(targets))
+    return made.with_windows(windows) if seed % 4 == 0 else made
+
+
+def captured_field(seed: int) -> Instance:
+    """A mission of one chaser whose targets have windows, by turns of each kind."""
+    draws = random_mission, drifting_mission, given_mission
+    return captured(draws[seed % 3](seed // 3), seed)
+
+
+def captured_mission(seed: int) -> Instance:
+    """The same, by turns with tows, prizes that fall or few visits between refuellings."""
+    draws = towing_mission, falling_mission, visiting_field
+    return captured_field(seed) if seed % 5 < 2 else captured(draws[seed % 5 - 2](seed), seed)
+
+
+def captured_campaign(seed: int) -> Instance:
+    """A campaign whose targets have windows, by turns with all that campaigns may have."""
+    return captured(visiting_campaign(seed) if seed % 2 else mixed_campaign(seed), seed)
+
+
 def freely(instance: Instance, seed: int) -> Instance:
     """The same on ellipses, with legs by free burns and without zones."""
     rng = np.random.default_rng([15, seed])
@@ -651,10 +689,9 @@ def free_mission(seed: int) -> Instance:
     return freely((random_mission, drifting_mission, random_campaign)[seed % 3](seed // 3), seed)
 
 
-def rounding_mission(seed: int) -> Instance:
-    """A mission of a day or two whose targets are approached on safety ellipses."""
+def rounding(instance: Instance, seed: int) -> Instance:
+    """The same with safety ellipses, and with time for them."""
     rng = np.random.default_rng([4, seed])
-    instance = (random_mission, drifting_mission)[seed % 2](seed)
     instance = instance.with_limits(duration_s=2.5 * instance.mission.duration_s)
     transfer = instance.transfer.replace(
         approach="safety-ellipse",
@@ -663,6 +700,20 @@ def rounding_mission(seed: int) -> Instance:
         inspection_revolutions=int(rng.choice([0, 0, 2])),
     )
     return instance.replace(transfer=transfer)
+
+
+def rounding_mission(seed: int) -> Instance:
+    """A mission of a day or two whose targets are approached on safety ellipses."""
+    return rounding((random_mission, drifting_mission)[seed % 2](seed), seed)
+
+
+def full_mission(seed: int) -> Instance:
+    """Free burns, safety ellipses and tows to circles and perigees at once, by turns a campaign."""
+    draw = disposing_campaign if seed % 3 == 2 else disposing_mission
+    instance = freely(draw(seed // 3), seed)
+    instance = instance.with_limits(duration_s=2.0 * instance.mission.duration_s)
+    at_once = instance.transfer.replace(max_drift_s=0.0)
+    return rounding(instance.replace(transfer=at_once), seed)
 
 
 DRAWS: dict[str, Callable[[int], Instance]] = {
@@ -683,7 +734,11 @@ DRAWS: dict[str, Callable[[int], Instance]] = {
     "visiting field": visiting_field,
     "visiting campaign": visiting_campaign,
     "visiting hurried": visiting_hurried,
+    "captured field": captured_field,
+    "captured": captured_mission,
+    "captured campaign": captured_campaign,
     "free": free_mission,
+    "full": full_mission,
     "free hurried": lambda seed: freely(hurried_mission(seed), seed),
 }
 """All kinds of drawn fields that enumeration can tell the best plan of."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 import rows
+from one_window import one_window
 
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.kernels.legs import burns as burn_kernels
@@ -116,7 +117,7 @@ def flown(orbit_i, orbit_j, rule, ready):
     event = max(0, math.ceil((ready - first) / half_period))
     departure = first + event * half_period
     lead = co_elliptic.target_lead(pair, departure, half_turns + event)
-    chosen = sequences.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
+    chosen = sequences.best_sequence(pair, rule, departure, lead, one_window(), 0, departure)
     if not math.isfinite(chosen.delta_v):
         return None
     times, vectors, phases = burn_kernels.burns(

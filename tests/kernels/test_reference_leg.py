@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from one_window import one_window
 
 import adr_opt
 from adr_opt.kernels.legs import co_elliptic, sequences
@@ -29,7 +30,7 @@ def next_leg(
     event = max(0, math.ceil((ready_s - first) * pair.rate_i / math.pi))
     departure = first + event * math.pi / pair.rate_i
     lead = co_elliptic.target_lead(pair, departure, half_turns + event)
-    flown = sequences.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
+    flown = sequences.best_sequence(pair, rule, departure, lead, one_window(), 0, departure)
     approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
     return float(flown.delta_v), float(departure + flown.flight_time + approach)
 

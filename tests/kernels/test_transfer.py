@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import rows
+from one_window import one_window
 
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.kernels.legs import burns as burn_kernels
@@ -51,7 +52,7 @@ def pairs(seed: int = 0):
 
 def best_sequence(pair, rule, departure, lead):
     """The sequence chosen by someone whom no window keeps waiting and no deadline hurries."""
-    return sequences.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
+    return sequences.best_sequence(pair, rule, departure, lead, one_window(), 0, departure)
 
 
 def test_node_line():
@@ -186,8 +187,10 @@ def test_choice_keeps_to_a_window(time_value):
             continue
         # Between the shortest and the longest sequence, but not where rounding decides.
         shortest, longest = min(row[1] for row in every), max(row[1] for row in every)
-        earliest, latest = rng.uniform(shortest - 1e3, longest + 1e3, 2)
-        best = sequences.best_sequence(pair, rule, departure, lead, earliest, latest)
+        latest = rng.uniform(shortest - 1e3, longest + 1e3)
+        earliest = rng.uniform(shortest - 1e3, latest)
+        window = one_window(departure + earliest, departure + latest)
+        best = sequences.best_sequence(pair, rule, departure, lead, window, 0, departure)
         costs = sorted(
             (delta_v + rule.time_value * max(time, earliest), time, k)
             for _, time, k, delta_v in every

@@ -85,8 +85,9 @@ def test_rules_steps_masks_and_check_agree(seeds: range) -> None:
                 assert (episodes.since[0], episodes.serviced[0]) == (has.since, has.serviced)
                 visited[j] = not rules.is_station[j]
                 refuelled += bool(rules.is_station[j])
-                ends_in_windows += bool(rules.closes[j] < rules.duration)
-                assert rules.opens[j] + rules.service[j] <= has.time <= rules.closes[j]
+                begun, windows = has.time - rules.service[j], rules.windows
+                ends_in_windows += bool(windows.closing[j] < rules.duration - rules.service[j])
+                assert windows.opening[j] - 1e-9 <= begun <= windows.closing[j] + 1e-9
                 sequence.append(j)
             timing = mission.time(sequence)
             assert timing.made == len(sequence)

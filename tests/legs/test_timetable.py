@@ -9,6 +9,7 @@ import every_sequence
 import numpy as np
 import pytest
 from hand_made import PERIOD_S, hand_made
+from one_window import one_window
 from random_rules import all_filled, random_mission
 from seeds import over_kinds
 
@@ -51,8 +52,8 @@ def test_entries_are_the_best_of_all_that_leave_then_or_later(seeds):
                 too_early = kernels.departure_at(made.table, i, j, event) < limits.ready - SLACK_S
                 early += too_early
                 for sequence in () if too_early else events[event]:
-                    begin = max(sequence.arrival, limits.opens[j])
-                    if begin + limits.service[j] > limits.closes[j]:
+                    begin = max(sequence.arrival, limits.windows.opening[j])
+                    if begin > limits.windows.closing[j]:
                         continue
                     own = min(own, sequence.delta_v + time_value / 3600.0 * begin)
                     if own < best:
@@ -63,12 +64,12 @@ def test_entries_are_the_best_of_all_that_leave_then_or_later(seeds):
                     continue
                 finite += 1
                 waits += own > best
-                stated = delta_v + time_value / 3600.0 * max(arrival, limits.opens[j])
+                stated = delta_v + time_value / 3600.0 * max(arrival, limits.windows.opening[j])
                 assert stated == pytest.approx(best, abs=1e-5), (i, j, event)
                 # Where two are as good, either may be held; both lie on the same line of cost.
                 if abs(arrival - flown[1]) < 1.0:
                     assert delta_v == pytest.approx(flown[0], abs=1e-5), (i, j, event)
-                assert max(arrival, limits.opens[j]) + limits.service[j] <= limits.closes[j]
+                assert max(arrival, limits.windows.opening[j]) <= limits.windows.closing[j]
     assert finite > 1000
     assert waits > 50
     assert early > 20
@@ -137,7 +138,7 @@ def test_what_lies_on_a_limit_is_not_left_to_rounding():
     pair = co_elliptic.prepare(elements[0], elements[1], 0.0, rule, 0.0)
     first, half_turns = co_elliptic.first_departure(pair)
     lead = co_elliptic.target_lead(pair, first, half_turns)
-    chosen = sequences.best_sequence(pair, rule, first, lead, -math.inf, math.inf)
+    chosen = sequences.best_sequence(pair, rule, first, lead, one_window(), 0, first)
     radius = chosen.phasing_radius
     edge = KeepOutZone(
         min_altitude_m=radius - EARTH_RADIUS_M,
@@ -170,8 +171,8 @@ def test_the_clock_of_a_year_is_that_of_the_angles():
             exact = departure + (round(past) - past) * math.pi / pair.rate_i
             assert abs(departure - exact) < SLACK_S / 50.0
             lead = (pair.phase_j + pair.rate_j * exact - math.pi * round(past)) % (2.0 * math.pi)
-            latest = limits.closes[j] - limits.service[j] - approach - exact
-            flown = sequences.best_sequence(pair, rule, exact, lead, -math.inf, latest)
+            after = exact + approach
+            flown = sequences.best_sequence(pair, rule, exact, lead, limits.windows, j, after)
             arrival = exact + flown.flight_time + approach
             if flown.delta_v + rule.time_value * arrival < best:
                 best = flown.delta_v + rule.time_value * arrival

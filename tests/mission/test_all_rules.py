@@ -16,6 +16,8 @@ import pytest
 from against_enumeration import bound_of_cost
 from brute_force import brute_force
 from random_rules import (
+    captured_field,
+    captured_mission,
     drifting_mission,
     falling_field,
     falling_mission,
@@ -39,6 +41,7 @@ every_kind = over_kinds(
     j2=(drifting_mission, range(90), 5),
     given=(given_mission, range(80), 6),
     visits=(visiting_field, range(120), 10),
+    captures=(captured_field, range(240), 10),
 )
 every_kind_and_tows = over_kinds(
     "draw, seeds",
@@ -46,6 +49,7 @@ every_kind_and_tows = over_kinds(
     j2=(drifting_mission, range(90), 10),
     given=(given_mission, range(80), 12),
     visits=(visiting_field, range(120), 20),
+    captures=(captured_mission, range(240), 20),
     tow=(towing_mission, range(80), 10),
     falls=(falling_mission, range(160), 12),
 )
@@ -54,6 +58,7 @@ SEARCHED = {
     "j2": (drifting_mission, range(40), 4),
     "given": (given_mission, range(40), 4),
     "visits": (visiting_field, range(60), 3),
+    "captures": (captured_field, range(60), 3),
 }
 searched = over_kinds("draw, seeds", **SEARCHED)
 searched_and_falls = over_kinds("draw, seeds", **SEARCHED, falls=(falling_mission, range(40), 4))
@@ -63,6 +68,7 @@ KINDS = {
     drifting_mission: {"short", "drift"},
     given_mission: {"given"},
     visiting_field: {"short", "drift", "given"},
+    captured_mission: {"short", "drift", "given"},
     towing_mission: {"short", "drift"},
     falling_mission: {"short", "drift", "given", "launch"},
 }
@@ -161,6 +167,13 @@ SHARES = {
         "auto": 0.99,
     },
     visiting_field: {"greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "auto": 0.99},
+    captured_field: {
+        "greedy-guarded": 0.2,
+        "beam": 0.5,
+        "mcts": 0.3,
+        "local-search": 0.5,
+        "auto": 0.99,
+    },
     given_mission: {
         "greedy-guarded": 0.2,
         "beam": 0.5,

@@ -44,13 +44,14 @@ class Tow(NamedTuple):
 class Place:
     """A body: a station, a target, or one that only lends its orbit to a start.
 
+    The first ``capture_s`` of a stay lie within one of ``windows_s``, its beginnings and ends.
     ``prizes`` are those of a target where they fall: until when, and how much, at last for ever.
     """
 
     kind: str
     stay_s: float = 0.0
-    opens_s: float = 0.0
-    closes_s: float = math.inf
+    windows_s: tuple[tuple[float, float], ...] = ((0.0, math.inf),)
+    capture_s: float = 0.0
     takes_kit: bool = False
     tow: Tow | None = None
     prizes: tuple[tuple[float, float], ...] = ()
@@ -193,15 +194,16 @@ def may_leave(state: State, leg: Leg) -> Truth:
 
 
 def end_of_stay(world: World, place: Place, leg: Leg) -> Numbers:
-    """A stay begins in its window and ends in it; it ends in the mission, and so does a tow.
+    """A stay begins once its capture is within a window; it ends in the mission, and so does a tow.
 
     Infinite if not.
     """
-    end_s = np.maximum(leg.arrival_s, place.opens_s) + place.stay_s
-    closes_s = min(place.closes_s, world.until_s)
-    done_s = end_s + (place.tow.time_s if place.tow else 0.0)
-    in_time = (end_s <= closes_s + SLACK_S) & (done_s <= world.until_s + SLACK_S)
-    return np.where(in_time, done_s, np.inf)
+    begin_s = np.full(leg.arrival_s.shape, np.inf)
+    for opens_s, closes_s in reversed(place.windows_s):
+        here_s = np.maximum(leg.arrival_s, opens_s)
+        begin_s = np.where(here_s + place.capture_s <= closes_s + SLACK_S, here_s, begin_s)
+    done_s = begin_s + place.stay_s + (place.tow.time_s if place.tow else 0.0)
+    return np.where(done_s <= world.until_s + SLACK_S, done_s, np.inf)
 
 
 def content_after(world: World, state: State, place: Place, leg: Leg) -> Numbers:

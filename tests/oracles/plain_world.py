@@ -126,14 +126,16 @@ def places_of(instance: Instance) -> tuple[Place, ...]:
             place = Place("start")
         else:
             target = instance.targets[number - instance.first_target]
-            opens_s, closes_s = target.window_s
+            windows = instance.intervals_of(target).tolist()
             falls = target.prize_until or ()
             stay_s = settings.service_s
+            if stay_s is None:
+                stay_s = (settings.service_revolutions or 0.0) * turn_s
             place = Place(
                 "target",
-                stay_s=(settings.service_revolutions or 0.0) * turn_s if stay_s is None else stay_s,
-                opens_s=opens_s,
-                closes_s=math.inf if closes_s is None else closes_s,
+                stay_s=stay_s,
+                windows_s=tuple((opens_s, closes_s) for opens_s, closes_s in windows),
+                capture_s=stay_s if target.capture_s is None else target.capture_s,
                 takes_kit=target.removal == "kit",
                 tow=tow_of(target, instance) if target.removal == "tow" else None,
                 prizes=(*falls, (math.inf, target.prize)) if falls else (),

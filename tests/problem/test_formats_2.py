@@ -110,7 +110,8 @@ NOT_WRITTEN = (
     "frame object_id ephemerides fit decay_m_per_day prize_until disposal thrust_n "
     "initial_delta_v_m_s initial_propellant_kg expense duty_cycle max_refuellings time_m_s_per_day "
     "max_propellant_kg launch_separation_s mission_separation_s max_leg_s approach keep_out_m "
-    "approach_revolutions inspection_revolutions burns disposal_altitude_m"
+    "approach_revolutions inspection_revolutions burns disposal_altitude_m windows_s "
+    "capture_s windows"
 )
 """Fields that stand in no file which does not set them."""
 

@@ -127,7 +127,7 @@ def test_no_connection_is_below_the_floors(draw, seeds):
             if i in mission.instance.launches:
                 continue
             found = mission.connecting.found(i, j)
-            end = np.maximum(found.arrival, rules.opens[j]) + rules.service[j]
+            end = np.maximum(found.arrival, rules.windows.opening[j]) + rules.service[j]
             assert (end - found.departure >= least_s[j]).all(), (seed, i, j)
             assert (found.delta_v >= least_m_s[j]).all(), (seed, i, j)
 

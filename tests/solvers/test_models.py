@@ -155,8 +155,8 @@ def test_features_matter():
         lambda rules: rules.returns,
         lambda rules: rules.ready > 0.0,
         lambda rules: rules.limits.targets == 1,
-        lambda rules: rules.opens.max() > rules.ready,
-        lambda rules: rules.closes.min() < rules.duration,
+        lambda rules: rules.windows.opening.max() > rules.ready,
+        lambda rules: (rules.windows.closing < rules.duration - rules.service).any(),
     ):
         of_kind = np.array([kind(mission.rules) for mission in missions])
         assert np.sum(optima[of_kind] > 0.0) >= 3

@@ -16,7 +16,7 @@ from solvers.timed_tours.earliest_end import EarliestEnd
 from solvers.timed_tours.layers import LayerSearch, windows_of
 from solvers.timed_tours.memories import memories_of
 from solvers.timed_tours.relaxation import bound_units, narrowed, relaxed, steps_of, whole_bands
-from solvers.timed_tours.tour import deadlines, end_of, sequence_of, tour_of
+from solvers.timed_tours.tour import deadlines, end_of, last_end, sequence_of, tour_of
 
 
 def _compare(instance: adr_opt.Instance, method: str) -> adr_opt.Result:
@@ -55,7 +55,7 @@ def test_relaxed_tours_end_no_later(seed: int) -> None:
     tour = tour_of(adr_opt.Mission(instance))
     if prizes == -math.inf or tour is None:
         pytest.skip("no tour")
-    rng, until = np.random.default_rng(seed), float(tour.closes[tour.targets + 1])
+    rng, until = np.random.default_rng(seed), float(last_end(tour, tour.targets + 1))
     size, count = int(rng.integers(1, 4)), int(rng.integers(3, 60))
     steps, memories = steps_of(tour, until, count), memories_of(tour, size, until)
     multipliers = rng.integers(-50_000, 50_000, tour.targets)

@@ -435,7 +435,7 @@ def test_in_a_browser(mission, tmp_path: Path, width: int, dark: bool) -> None:
         assert [text for level, text in tab.complaints if level == "error"] == []
         assert only_local(tab.requests)
         assert tab.evaluate("document.documentElement.scrollWidth") == width
-        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 9
+        assert tab.evaluate("document.querySelectorAll('.chart.js-plotly-plot').length") == 10
         tables = tab.evaluate(
             "[...document.querySelectorAll('.scroll')]"
             ".map((box) => box.getBoundingClientRect().right)"

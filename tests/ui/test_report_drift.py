@@ -99,7 +99,9 @@ def test_the_drift_is_in_every_chart() -> None:
     """Altitude, timeline, nodes and path show the drift orbit; each leg has its two bars of ΔV."""
     instance, plan = (make() for make in MISSION)
     charts = data(page(instance, plan))["figures"]
-    assert set(charts) == {"altitude", "budget", "costs", "gantt", "nodes", "orbits", "planes"}
+    assert set(charts) == {
+        *("altitude", "budget", "costs", "gantt", "lanes", "nodes", "orbits", "planes")
+    }
     for name, figure in charts.items():
         assert len(plotly_graph_objects.Figure(figure).data) >= 2, name
     for name in ("altitude", "gantt", "nodes", "orbits"):

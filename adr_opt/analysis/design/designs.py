@@ -162,7 +162,9 @@ def _with_masses(instance: Instance, dry_mass_kg: float | None, isp_s: float | N
 
 
 SEPARATED = Follower(
-    "vary separation", FIRST | CAMPAIGNS | MODELLED | {"functions of time"}, "vary launches instead"
+    "vary separation",
+    FIRST | CAMPAIGNS | MODELLED | {"functions of time", "capture windows"},
+    "vary launches instead",
 )
 """Launches at intervals, not at times of the plan's choice."""
 

@@ -81,7 +81,8 @@ class Rating:
 
 FOLLOWS = Follower(
     "a comparison of designs",
-    (FIRST | CAMPAIGNS | MODELLED | TOURS | {"functions of time"}) - {"prizes that fall"},
+    (FIRST | CAMPAIGNS | MODELLED | TOURS | {"functions of time", "capture windows"})
+    - {"prizes that fall"},
 )
 """Designs are compared by worths of one time."""
 

@@ -207,7 +207,7 @@ class _Rehearsal:
                 self._reopened.append((hop.arrival, j))
             return
         craft.left -= cost
-        begin = float(service_begin(hop.arrival, what.limits.opens[j]))
+        begin = float(service_begin(what.limits.windows, j, hop.arrival))
         if j < facts.stations:
             craft.filling += 1
             untowed = craft.left

@@ -137,8 +137,7 @@ def refused(facts: MissionFacts, craft: FlyingChaser, hop: Hop) -> str:
     if hop.departure < craft.free_s - SLACK_S and not (what.is_launched and not craft.made):
         return "late"
     limits = what.limits
-    end = service_begin(hop.arrival, limits.opens[j]) + limits.service[j]
-    if end > limits.closes[j] or end > limits.duration:
+    if not service_begin(limits.windows, j, hop.arrival) + limits.service[j] <= limits.duration:
         return "duration"
     if hop.delta_v > craft.left:
         return "delta-v"
@@ -158,7 +157,7 @@ def refused(facts: MissionFacts, craft: FlyingChaser, hop: Hop) -> str:
 def as_planned(facts: MissionFacts, craft: FlyingChaser, hop: Hop) -> FlyingChaser:
     """The chaser after a leg that goes as planned, with the stay after it."""
     what, j, planned = facts.chasers[craft.chaser], hop.destination, craft.copied()
-    begin = float(service_begin(hop.arrival, what.limits.opens[j]))
+    begin = float(service_begin(what.limits.windows, j, hop.arrival))
     planned.body, planned.towed = j, j in facts.tow_s
     planned.free_s = begin + float(what.limits.service[j])
     planned.left = untowed = craft.left - hop.delta_v

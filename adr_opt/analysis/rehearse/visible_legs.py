@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_S
+from ...kernels.core.windows import service_ends
 from ...kernels.legs import found as families
 from ...kernels.rules.loads import after_service
 from ...kernels.tables.on_demand import Source, at_regular_events, shortest_sortie
@@ -110,10 +111,10 @@ class VisibleLegs:
         if own is not None:
             at = np.flatnonzero(bodies == own.destination)
             delta_v[at], arrival[at] = own.delta_v, own.arrival
-        begin = np.maximum(arrival, limits.opens[bodies])
+        begin = service_ends(limits.windows, bodies, arrival)
         free = begin + limits.service[bodies]
         station = bodies < facts.stations
-        legal = (free <= limits.closes[bodies]) & (free <= limits.duration)
+        legal = free <= limits.duration
         legal &= (delta_v <= craft.left) & (~station | (craft.since > 0))
         left = np.where(station, full_of(what, craft.kits), craft.left - delta_v)
         if what.most_targets is not None and craft.serviced >= what.most_targets:
@@ -137,8 +138,8 @@ class VisibleLegs:
             arrival,
             free + self.later_s[bodies],
             left,
-            limits.closes[bodies],
-            np.maximum(limits.opens[bodies] - arrival, 0.0),
+            limits.windows.closing[bodies] + limits.service[bodies],
+            begin - arrival,
             legal,
             ranks[bodies],
             theirs[bodies],

@@ -258,7 +258,7 @@ def _stays(
         stay = StayTime(uncertainty, facts.names[j], float(what.limits.service[j]) - tow_s)
         if stay.is_certain:
             continue
-        begin = float(service_begin(hop.arrival, what.limits.opens[j]))
+        begin = float(service_begin(what.limits.windows, j, hop.arrival))
         is_last = place + 1 == len(hops)
         until = what.limits.duration if is_last else hops[place + 1].departure + SLACK_S
         yield InTime(what.name, facts.names[j], stay.chance(until - tow_s - begin))

@@ -1,5 +1,16 @@
 """Screening: approaches of the objects of a catalogue to the arcs of a refined plan."""
 
 from .approaches import CloseApproach, approaches_csv, screen
+from .messages import conjunction_message
+from .position_errors import PositionErrors, read_errors
+from .probability import collision_probability
 
-__all__ = ["CloseApproach", "approaches_csv", "screen"]
+__all__ = [
+    "CloseApproach",
+    "PositionErrors",
+    "approaches_csv",
+    "collision_probability",
+    "conjunction_message",
+    "read_errors",
+    "screen",
+]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from datetime import UTC, datetime, timedelta
 from itertools import pairwise
@@ -28,6 +28,8 @@ from ...problem.instance import Instance
 from ...sources.catalogue.propagation import satellite_of
 from ...sources.catalogue.records import ElementSet
 from .flown import Array, FlownArc, flown_arcs
+from .position_errors import PositionErrors, errors_of, orbital_axes
+from .probability import collision_probability
 
 DISTANCE_M = 5_000.0
 """Distance within which approaches are reported by default."""
@@ -52,6 +54,9 @@ NEAR_S = 0.5
 
 PRECISION_S = 1e-4
 """To which times of least distance are found."""
+
+SHORT_M_S = 100.0
+"""Relative speed from which an encounter is short: straight, and over before anything turns."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +88,10 @@ class CloseApproach:
         Of the one against the other [m/s].
     age_days : float
         Of the elements at that time.
+    probability : float or None
+        Of a collision; None where the errors of one are not known, or the encounter is not short.
+    states : (2, 6) tuple of float
+        Of the chaser and of the object in TEME of date, which tables leave out [m, m/s].
     """
 
     time_s: float
@@ -99,10 +108,14 @@ class CloseApproach:
     cross_m: float
     speed_m_s: float
     age_days: float
+    probability: float | None
+    states: tuple[tuple[float, ...], tuple[float, ...]]
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON data."""
-        return asdict(self)
+        content = asdict(self)
+        del content["states"]
+        return content
 
 
 class _Objects:
@@ -152,6 +165,7 @@ def screen(
     records: Sequence[ElementSet],
     *,
     distance_m: float = DISTANCE_M,
+    errors: Mapping[str, PositionErrors] | None = None,
 ) -> tuple[CloseApproach, ...]:
     """All approaches of some objects to a refined plan, by time.
 
@@ -163,6 +177,9 @@ def screen(
     records : sequence of ElementSet
     distance_m : float
         Least distances up to this are reported [m].
+    errors : dict of str to PositionErrors, optional
+        Of chasers and objects by name, objects also by international designator, and ``*`` for all
+        others: probabilities of collision follow from them.
 
     Returns
     -------
@@ -187,7 +204,7 @@ def screen(
     ids = {each.name: each.object_id for each in instance.stations}
     ids |= {each.name: each.object_id for each in instance.targets}
     found = [
-        _approach(instance, objects, arc, row, time_s, ids)
+        _approach(instance, objects, arc, row, time_s, ids, errors or {})
         for arc, row, time_s in _meetings(objects, arcs, distance_m)
     ]
     return tuple(sorted(found, key=lambda each: (each.time_s, each.object)))
@@ -285,13 +302,19 @@ def _approach(
     row: int,
     time_s: float,
     ids: dict[str, str | None],
+    errors: Mapping[str, PositionErrors],
 ) -> CloseApproach:
     record, mine = objects.records[row], arc.at(np.array([time_s]))[0]
-    apart = objects.state(row, time_s) - mine
-    radial = mine[:3] / np.linalg.norm(mine[:3])
-    momentum = np.cross(mine[:3], mine[3:])
-    cross = momentum / np.linalg.norm(momentum)
-    along = np.cross(cross, radial)
+    its = objects.state(row, time_s)
+    apart = its - mine
+    radial_m, along_m, cross_m = (orbital_axes(mine) @ apart[:3]).tolist()
+    speed_m_s = float(np.linalg.norm(apart[3:]))
+    known_of = errors_of(errors, arc.chaser), errors_of(errors, record.label, record.designator)
+    probability = None
+    if known_of[0] and known_of[1] and speed_m_s >= SHORT_M_S:
+        covariance = known_of[0].turned(mine) + known_of[1].turned(its)
+        radius_m = known_of[0].radius_m + known_of[1].radius_m
+        probability = collision_probability(apart[:3], apart[3:], covariance, radius_m)
     now = instance.epoch + timedelta(seconds=time_s)
     known = {ids.get(body) for body in arc.beside} - {None}
     return CloseApproach(
@@ -304,18 +327,21 @@ def _approach(
         object_id=record.designator,
         own=record.designator in known or record.label in arc.beside,
         miss_m=float(np.linalg.norm(apart[:3])),
-        radial_m=float(radial @ apart[:3]),
-        along_m=float(along @ apart[:3]),
-        cross_m=float(cross @ apart[:3]),
-        speed_m_s=float(np.linalg.norm(apart[3:])),
+        radial_m=radial_m,
+        along_m=along_m,
+        cross_m=cross_m,
+        speed_m_s=speed_m_s,
         age_days=(now - record.epoch).total_seconds() / DAY_S,
+        probability=probability,
+        states=(tuple(mine.tolist()), tuple(its.tolist())),
     )
 
 
 def approaches_csv(approaches: Iterable[CloseApproach]) -> str:
     """Approaches as the text of a CSV file, a row for each."""
     text = io.StringIO()
-    rows = csv.DictWriter(text, [each.name for each in fields(CloseApproach)], lineterminator="\n")
+    columns = [each.name for each in fields(CloseApproach) if each.name != "states"]
+    rows = csv.DictWriter(text, columns, lineterminator="\n")
     rows.writeheader()
     rows.writerows(each.to_dict() for each in approaches)
     return text.getvalue()

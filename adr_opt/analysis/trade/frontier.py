@@ -74,7 +74,7 @@ class Ending:
 
 FOLLOWS = Follower(
     "a frontier",
-    (FIRST | CAMPAIGNS | MODELLED | TOURS | {"functions of time"})
+    (FIRST | CAMPAIGNS | MODELLED | TOURS | {"functions of time", "capture windows"})
     - {"cost", "expense", "prizes that fall", "limited propellant"},
     "leave it or the frontier out",
 )

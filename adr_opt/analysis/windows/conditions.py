@@ -6,10 +6,7 @@ sphere. Ground stations stand on the ellipsoid and turn with the mean sidereal t
 
 from __future__ import annotations
 
-import csv
-import io
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -17,16 +14,16 @@ import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
-from ...common.files import read_text
 from ...fly.trajectory.bodies import body_states
 from ...kernels.orbits.sunlight import sun_directions
+from ...problem.capture_windows import joined
 from ...problem.frame import OF_DATE, Frame
 from ...problem.frame_rotation import rotation
 from ...problem.instance import Instance
 from ...problem.rules import JUDGED, Follower
 from ...problem.sun import J2000, sidereal_angle_rad, sidereal_rate_rad_s
 from ...problem.support import followed
-from .intervals import Array, common, joined, positive, shrunk
+from .intervals import Array, common, positive, shrunk
 from .stations import GroundStation
 
 SUN_RADIUS_RAD = math.radians(0.2666)
@@ -34,9 +31,6 @@ SUN_RADIUS_RAD = math.radians(0.2666)
 
 STEP_S = 20.0
 """Distance of samples: several in each pass, whose edges and culmination are found between them."""
-
-COLUMNS = ("target", "opens_s", "closes_s")
-"""Columns of a file of windows."""
 
 FOLLOWS = Follower("capture windows", JUDGED)
 
@@ -121,10 +115,8 @@ def windows_of(
     sky = _Sky(instance, states or moved)
     found = {}
     for target in instance.targets:
-        opens_s, closes_s = target.window_s
         end_s = instance.mission.duration_s
-        last_s = end_s if closes_s is None else min(closes_s, end_s)
-        left = np.array([[opens_s, last_s]] if opens_s < last_s else []).reshape(-1, 2)
+        left = common(instance.intervals_of(target), np.array([[0.0, end_s]]))
         if target.name in conditions.given:
             left = common(left, conditions.given[target.name])
         for function in sky.conditions(target.name, conditions):
@@ -195,41 +187,3 @@ def _angles(one: Array, other: Array) -> Array:
     cosines = np.sum(one * other, axis=1) / np.linalg.norm(one, axis=1)
     angles: Array = np.arccos(np.clip(cosines, -1.0, 1.0))
     return angles
-
-
-def read_windows(path: str | os.PathLike[str]) -> dict[str, Array]:
-    """Intervals of a CSV file with the columns :data:`COLUMNS`, by target, overlaps joined [s].
-
-    Raises
-    ------
-    InputError
-        It cannot be read or has other columns, or an interval is not one of two ascending numbers.
-    """
-    rows = csv.reader(read_text(path).splitlines())
-    if tuple(next(rows, ())) != COLUMNS:
-        raise InputError(f"{path}: the first line must be {','.join(COLUMNS)}")
-    found: dict[str, list[tuple[float, float]]] = {}
-    for row in rows:
-        try:
-            name, opens_s, closes_s = row[0], float(row[1]), float(row[2])
-        except (IndexError, ValueError):
-            name, opens_s, closes_s = "", math.nan, math.nan
-        if not (0.0 <= opens_s <= closes_s < math.inf and len(row) == len(COLUMNS)):
-            raise InputError(
-                f"{path}: line {rows.line_num}: give a target and two ascending times from 0 on"
-            )
-        found.setdefault(name, []).append((opens_s, closes_s))
-    return {name: joined([np.array(each)]) for name, each in found.items()}
-
-
-def windows_csv(windows: Mapping[str, Array]) -> str:
-    """Windows as the text of such a file, to a millisecond inwards."""
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(COLUMNS)
-    for name, intervals in windows.items():
-        for opens_s, closes_s in intervals.tolist():
-            inner = math.ceil(opens_s * 1e3) / 1e3, math.floor(closes_s * 1e3) / 1e3
-            if inner[0] <= inner[1]:
-                rows.writerow([name, *(f"{each:.3f}" for each in inner)])
-    return text.getvalue()

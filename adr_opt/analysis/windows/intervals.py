@@ -7,7 +7,7 @@ without overlaps.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -80,16 +80,6 @@ def _crossings(
         same = (function(middle) > 0.0) == was_open
         low, high = np.where(same, middle, low), np.where(same, high, middle)
     return 0.5 * (low + high)
-
-
-def joined(lists: Iterable[Array]) -> Array:
-    """Times in any of some lists."""
-    every = np.concatenate([np.empty((0, 2)), *lists])
-    every = every[np.argsort(every[:, 0], kind="stable")]
-    reach = np.maximum.accumulate(every[:, 1])
-    starts = np.flatnonzero(np.append(True, every[1:, 0] > reach[:-1]))[: len(every)]
-    ends = np.append(starts[1:], len(every))[: len(starts)] - 1
-    return np.column_stack([every[starts, 0], reach[ends]])
 
 
 def common(one: Array, other: Array) -> Array:

@@ -23,6 +23,7 @@ import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...common.errors import InputError
+from ...common.wording import printable
 from ...fly.trajectory.axes import Axes, axes_of
 from ...fly.trajectory.bodies import body_states
 from ...fly.trajectory.clock import UtcClock
@@ -42,7 +43,7 @@ from .gmat_thrust import (
     pushed,
     whole_millisecond,
 )
-from .kvn import WIDTH, plain
+from .kvn import WIDTH
 
 States = Callable[[str | None], Iterator[tuple[str, str]]]
 
@@ -149,7 +150,7 @@ def _lines(
     ends = {name for leg in course.legs for name in (leg.origin, leg.destination)}
     names = {body: _name(instance, body) for body in instance.names if body in ends}
     for sentence in course.said:
-        for line in textwrap.wrap(plain(sentence), WIDTH):
+        for line in textwrap.wrap(printable(sentence), WIDTH):
             yield f"% {line}"
     yield from _earth(system)
     for spacecraft, body in [(CHASER, None), *((names[body], body) for body in names)]:
@@ -227,7 +228,7 @@ def _gravity(degree: int) -> tuple[str, ...]:
 
 def _impulses(course: FlightCourse, leg: CourseLeg, axes: Axes) -> Iterator[str]:
     """Burns of a leg as GMAT manoeuvres."""
-    for number, burn in enumerate(leg.all_burns, start=1):
+    for number, burn in enumerate(leg.all_impulses, start=1):
         yield ""
         yield f"Create ImpulsiveBurn {_burn(leg, number)};"
         yield f"GMAT {_burn(leg, number)}.CoordinateSystem = {AXES[axes.frame.name]};"
@@ -261,7 +262,7 @@ def _leg(
 ) -> Generator[str, None, float]:
     """Coasts, manoeuvres and docking of a leg from a time on [s]; returns its end."""
     yield ""
-    yield f"% {plain(f'Leg {leg.number}: {leg.origin} to {leg.destination}')}"
+    yield f"% {printable(f'Leg {leg.number}: {leg.origin} to {leg.destination}')}"
     phase = "wait"
     if course.propulsion is not None:
         yield fuelled(course, leg, CHASER)
@@ -269,7 +270,7 @@ def _leg(
         now = yield from _coast(leg, phase, crew, now, window.start_s)
         now = yield from pushed(leg, window, crew, CHASER)
         phase = "coast"
-    for number, burn in enumerate(leg.burns, start=1):
+    for number, burn in enumerate(leg.impulses, start=1):
         now = yield from _coast(leg, phase, crew, now, burn.time_s)
         yield f"Maneuver '{burn.phase}' {_burn(leg, number)}({CHASER});"
         phase = burn.phase
@@ -280,7 +281,7 @@ def _leg(
         yield f"GMAT {CHASER}.{system}.{axis} = {goal}.{system}.{axis};"
     now = yield from _coast(leg, "service", crew, now, leg.end_s)
     phase = "wait"
-    for number, burn in enumerate(leg.removal, start=1 + len(leg.burns)):
+    for number, burn in enumerate(leg.removal, start=1 + len(leg.impulses)):
         now = yield from _coast(leg, phase, crew, now, burn.time_s)
         yield f"Maneuver '{burn.phase}' {_burn(leg, number)}({CHASER});"
         phase = burn.phase
@@ -304,7 +305,7 @@ def _spacecraft(
     instance: Instance, system: str, name: str, body: str | None, start_s: float, state: States
 ) -> Iterator[str]:
     epoch = datetime.fromisoformat(UtcClock(instance).label(start_s))
-    yield "% the chaser" if body is None else f"% {plain(body)}"
+    yield "% the chaser" if body is None else f"% {printable(body)}"
     yield f"Create Spacecraft {name};"
     yield f"GMAT {name}.DateFormat = UTCGregorian;"
     yield f"GMAT {name}.Epoch = '{gregorian(epoch)}';"

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 
 from ...common.constants import EARTH_RADIUS_M, J2
+from ...common.wording import printable
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
 from ...plan.plan import Plan
@@ -20,14 +21,9 @@ OBJECT_ID = "UNKNOWN"
 WIDTH = 100
 
 
-def plain(text: str) -> str:
-    """Text in the form messages allow: printable ASCII on one line."""
-    return "".join(sign if " " <= sign <= "~" else "?" for sign in text)
-
-
 def comment(text: str) -> Iterator[str]:
     """Lines of a comment."""
-    for line in textwrap.wrap(plain(text), WIDTH):
+    for line in textwrap.wrap(printable(text), WIDTH):
         yield f"COMMENT {line}"
 
 
@@ -86,7 +82,7 @@ def who(instance: Instance, chaser: str | None) -> list[str]:
 
 def object_name(chaser: str | None) -> str:
     """Object name of the chaser."""
-    return OBJECT_NAME if chaser is None else plain(chaser)
+    return OBJECT_NAME if chaser is None else printable(chaser)
 
 
 def header(keyword: str, said: Iterable[str], version: str = "2.0") -> Iterator[str]:

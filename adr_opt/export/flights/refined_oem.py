@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from ...common.constants import EARTH_RADIUS_M, J2
 from ...common.errors import InputError
 from ...common.files import check_writable, write_both, write_text
+from ...common.wording import printable
 from ...fly.flight.tanks import refined_routes
 from ...fly.refine.bodies import Whereabouts
 from ...fly.refine.ephemeris import EphemerisTrack, tracks
@@ -20,7 +21,7 @@ from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import chaser_wanted
 from ...problem.instance import Instance
 from .gmat_thrust import history_path
-from .kvn import header, metadata, object_name, plain, who
+from .kvn import header, metadata, object_name, who
 from .oem import segment
 from .refined_czml import RefinedLegs, to_czml, usual_step
 from .refined_messages import refined_course, refuse_between_ephemerides, to_gmat, to_ocm, to_opm
@@ -89,7 +90,7 @@ def write_refined(
     written = tracks(refined, body=body, step_s=step_s, leg=leg, chaser=name, bodies=bodies)
     said = [*_origin(instance, refined, axes), *who(instance, name)]
     if format == "oem":
-        called = object_name(name) if body is None else plain(body)
+        called = object_name(name) if body is None else printable(body)
         about = tuple(metadata(instance, axes, called, object_id or _designator(instance, body)))
         text = "\n".join(_lines(instance, said, written, axes, about)) + "\n"
         write_text(path, text)

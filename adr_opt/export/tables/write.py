@@ -70,14 +70,15 @@ TRANSFERS = Follower("a file of transfers", JUDGED - {"several chasers"})
 
 MODEL_FILES = Follower(
     "a file of the model",
-    FIRST | MODELLED | SUPPLIES | TOURS | {"expense", "functions of time"},
+    FIRST | MODELLED | SUPPLIES | TOURS | {"expense", "functions of time", "capture windows"},
     "write transfers alone, as .npz, .nc or .parquet",
 )
 """Files of the exact network of one chaser, whose legs have no masses."""
 
 DEPOT_FILES = Follower(
     "a file with one depot",
-    MODEL_FILES.follows - {"number of stations", "start orbits", "launches", "prizes that fall"},
+    MODEL_FILES.follows
+    - {"capture windows", "number of stations", "start orbits", "launches", "prizes that fall"},
     "write transfers alone, as .npz, .nc or .parquet",
 )
 """Files of one depot, where the chaser starts and refuels, and of prizes that stay."""

@@ -74,6 +74,7 @@ REFINED = Follower(
     | MODELLED
     | TOURS
     | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"}
+    | {"capture windows"}
     | RELEASES,
     "its plans have no trajectory",
 )

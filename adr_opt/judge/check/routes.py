@@ -26,6 +26,10 @@ from .towed import Towed
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 from .zone_crossings import crossed
 
+FloatArray = npt.NDArray[np.float64]
+
+ALWAYS = np.array([[0.0, math.inf]])
+
 MASS_TOLERANCE = 1e-9
 """Relative tolerance on stated masses."""
 
@@ -36,7 +40,10 @@ class _Bodies:
     def __init__(self, instance: Instance) -> None:
         self.number = {name: number for number, name in enumerate(instance.names)}
         self.stations = {station.name for station in instance.stations}
-        self.windows = {target.name: target.window_s for target in instance.targets}
+        self.windows = {
+            target.name: (instance.intervals_of(target), target.capture_s)
+            for target in instance.targets
+        }
         self.kits = {target.name for target in instance.targets if target.removal == "kit"}
 
 
@@ -270,9 +277,14 @@ def _check_service(
 
     Where the destination is towed there has to be time for that, too.
     """
-    opens, closes = bodies.windows.get(leg.destination, (0.0, None))
-    at_station = leg.destination in bodies.stations
-    end = max(arrival, opens) + _service_s(instance, elements, at_station)
+    stay = _service_s(instance, elements, leg.destination in bodies.stations)
+    intervals, capture = bodies.windows.get(leg.destination, (ALWAYS, None))
+    capture = stay if capture is None else capture
+    # At a closing edge, within the slack, one stay begins at once and another one waits.
+    begins = [_begins(intervals, arrival, capture - slack) for slack in (SLACK_S, -SLACK_S)]
+    begin = min(begins, key=lambda begin: abs(leg.end_s - begin - stay))
+    end = begin + stay
+    closes = max(intervals[intervals[:, 0] <= begin, 1].tolist(), default=-math.inf)
     if abs(leg.end_s - end) > TIME_TOLERANCE_S:
         yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
     free = end + (towed.time_s if towed else 0.0)
@@ -281,11 +293,21 @@ def _check_service(
     for rule, ends, last in (
         ("duration", free, instance.mission.duration_s),
         ("availability", free, now.chaser.available_s[1]),
-        ("window", end, closes),
+        ("window", begin + capture, closes),
     ):
         if last is not None and ends > last + SLACK_S:
             yield Violation(number, rule, f"ends at {ends!r} s, after {last!r} s")
     return end
+
+
+def _begins(intervals: FloatArray, arrival: float, capture: float) -> float:
+    """Begin of a stay: the first from arrival on whose capture lies within an interval.
+
+    Where there is none, as if the first interval did not end.
+    """
+    begins = np.maximum(arrival, intervals[:, 0])
+    fits = begins + capture <= intervals[:, 1]
+    return float(begins[np.argmax(fits)]) if begins.size else arrival
 
 
 def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station: bool) -> float:

@@ -30,6 +30,7 @@ from ...legs.families.registry import registered_of
 from ...plan.certificate import Certificate
 from ...problem.approach import approach_of
 from ...problem.instance import Instance
+from .openings import openings_of
 from .terms import services_s
 
 FloatArray = npt.NDArray[np.float64]
@@ -71,10 +72,10 @@ def worth_of_floors(instance: Instance, certificate: Certificate) -> Fraction:
             per_s = max(per_s, per_m_s * tank / Fraction(refuelling_s))
     worth = per_s * time_s + per_m_s * tank
     service_s = services_s(instance)
+    openings = openings_of(instance, service_s)
     for body, target in enumerate(instance.targets, start=first):
-        opens, closes = target.window_s
-        closes = last_s if closes is None else min(closes, last_s)
-        if opens + service_s[body] > closes + SLACK_S or least_m_s[body] > float(tank):
+        soonest_s = float(openings[body].begins(-math.inf)) + service_s[body]
+        if soonest_s > last_s + SLACK_S or least_m_s[body] > float(tank):
             continue
         extra = certificate.required_worth if target.required else 0.0
         own = Fraction(target.greatest_prize) + Fraction(extra)

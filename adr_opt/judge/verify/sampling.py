@@ -26,6 +26,7 @@ from ..check.leg import Physics, check_transfer
 from ..check.lifetime import NEAR, outstays
 from ..check.tow import may_end_far
 from ..check.violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
+from .openings import openings_of
 from .sequences import ways_after
 from .terms import services_s
 
@@ -195,8 +196,8 @@ def _is_barred(instance: Instance, physics: Physics, way: Way, i: int, j: int) -
     if j < instance.first_target:
         ends.append((j, way.arrival + float(stays_s[j])))
     else:
-        opens_s = instance.targets[j - instance.first_target].window_s[0]
-        ends.append((j, max(way.arrival, opens_s) + float(stays_s[j])))
+        begins_s = float(openings_of(instance, stays_s)[j].begins(way.arrival))
+        ends.append((j, begins_s + float(stays_s[j])))
     for body, time_s in ends:
         name = instance.names[body]
         tow = physics.towed.get(name)

@@ -17,6 +17,7 @@ from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.towed import towed_bodies
 from .cargo import Cargo, StayCounts, cargo_of, counting_of
+from .openings import Openings, openings_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -32,8 +33,8 @@ class Terms(NamedTuple):
         Whether legs lead from one body (row) to another one.
     begin, last : float
         From when it is there, and until when [s].
-    opens, closes : (bodies,) float64
-        Windows of services [s].
+    openings : tuple of Openings
+        When services may begin, by body.
     service, tows : (bodies,) float64
         How long they are, and the tows that follow them [s].
     is_station, may_end : (bodies,) bool
@@ -53,8 +54,7 @@ class Terms(NamedTuple):
     may_follow: npt.NDArray[np.bool_]
     begin: float
     last: float
-    opens: FloatArray
-    closes: FloatArray
+    openings: tuple[Openings, ...]
     service: FloatArray
     tows: FloatArray
     is_station: npt.NDArray[np.bool_]
@@ -81,14 +81,7 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
         tows[names.index(name)] = tow.time_s
     begin, over = chaser.available_s
     last = min(instance.mission.duration_s, math.inf if over is None else over)
-    opens, closes = np.full(bodies, -math.inf), np.full(bodies, last)
-    for body, target in enumerate(instance.targets, start=first_target):
-        opened, closed = target.window_s
-        opens[body] = opened
-        closes[body] = min(last, math.inf if closed is None else closed)
-    for body, station in enumerate(instance.stations):
-        if station.max_refuellings == 0:
-            closes[body] = -math.inf
+    openings = openings_of(instance, service)
     cargo, home = cargo_of(instance, chaser, towed), names.index(chaser.start_name)
     may_follow = _may_follow(bodies, home, stations, first_target)
     if chaser.is_launched:  # it begins at its first target
@@ -101,9 +94,9 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
     begun = cargo.full if connecting.spent_m_s(home) else cargo.begun
     if chaser.is_launched:
         begun = cargo.begun  # no leg leads onto the first target
-        served = np.maximum(begin - SLACK_S, opens) + service
-        ready = served + tows
-        in_time = (served <= closes + SLACK_S) & (ready <= last + SLACK_S)
+        served = [float(opening.begins(begin - SLACK_S)) for opening in openings]
+        ready = np.array(served) + service + tows
+        in_time = ready <= last + SLACK_S
         in_time &= np.arange(bodies) >= first_target
         in_time &= np.all(counting.adds <= counting.most[:, None], axis=0)
         starts = np.append(starts, np.flatnonzero(in_time))
@@ -112,8 +105,7 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
         may_follow,
         begin,
         last,
-        opens,
-        closes,
+        openings,
         service,
         tows,
         np.arange(bodies) < stations,
@@ -143,9 +135,8 @@ def flown_from(
     resolution = connecting.planning_resolution_m_s
     for j in np.flatnonzero(terms.may_follow[i]).tolist():
         found = connecting.of_pair(i, j, resolution)
-        served = np.maximum(found.arrival, terms.opens[j]) + terms.service[j]
-        end = served + terms.tows[j]
-        fits = (served <= terms.closes[j] + SLACK_S) & (end <= terms.last + SLACK_S)
+        end = terms.openings[j].begins(found.arrival) + terms.service[j] + terms.tows[j]
+        fits = end <= terms.last + SLACK_S
         fits &= found.departure >= terms.begin - SLACK_S
         fits &= found.delta_v <= terms.cargo.full[0]  # a tank is worth most with nothing aboard
         yield j, found.departure[fits], end[fits], found.delta_v[fits]

@@ -14,6 +14,7 @@ import numpy as np
 from ...common.constants import SLACK_M_S, SLACK_S, TURN_RAD
 from ..core.compile import inlined, kernel
 from ..core.memory import borrowed
+from ..core.windows import Windows
 from ..rules import rules as rule_kernels
 from ..rules.resources import Resources, limits_in
 from ..rules.rules import Rules, State
@@ -23,7 +24,7 @@ from .outlook import HOME, Outlook
 BODIES = 0
 """First column of :attr:`StackedFields.counts`."""
 
-SERVICE, OPENS, CLOSES, PRIZE = range(4)
+SERVICE, OPENS, LATEST, PRIZE = range(4)
 """Rows of :attr:`StackedFields.limits`."""
 
 
@@ -38,10 +39,12 @@ class StackedFields(NamedTuple):
     orbits : (slots, bodies, columns) float64
         Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
     limits : (slots, 4, bodies) float64
-        :data:`SERVICE`, :data:`OPENS` and :data:`CLOSES` as in
-        :class:`adr_opt.kernels.rules.rules.Rules` [s], and :data:`PRIZE`, that of each target in
+        :data:`SERVICE` as in :class:`adr_opt.kernels.rules.rules.Rules`, :data:`OPENS` and
+        :data:`LATEST`, the only window of each body [s], and :data:`PRIZE`, that of each target in
         mean prizes of the field, 0 for the station: its reward. One array, since every one that
         comes as an argument takes as long as a few moves.
+    places : (bodies + 1,) int64
+        Of their windows, one after the other.
     is_station : (bodies,) bool
         The same for all fields: the first body is the only station.
     tables : Table
@@ -53,6 +56,7 @@ class StackedFields(NamedTuple):
     counts: np.ndarray
     orbits: np.ndarray
     limits: np.ndarray
+    places: np.ndarray
     is_station: np.ndarray
     tables: timetable.Table
     angle: np.ndarray
@@ -107,8 +111,7 @@ def rules_of(pool, episodes, e):
     return Rules(
         table=stacked_timetables.in_slot(pool.tables, slot),
         service=pool.limits[slot, SERVICE],
-        opens=pool.limits[slot, OPENS],
-        closes=pool.limits[slot, CLOSES],
+        windows=Windows(pool.places, pool.limits[slot, OPENS], pool.limits[slot, LATEST]),
         prize=pool.limits[slot, PRIZE],
         is_station=pool.is_station,
         # Where missions may end is not asked for, since they may end anywhere.

@@ -242,7 +242,7 @@ def fly(pool, episodes, worlds, e, destination):
         episodes.time[e] = arrival
         return DRY
     episodes.delta_v[e] += cost
-    begins = service_begin(arrival, rules.opens[destination])
+    begins = service_begin(rules.windows, destination, arrival)
     if refuels:
         episodes.refuelled[e] += 1
         episodes.left[e] = _usable(worlds, e, slot, episodes.refuelled[e]) * rules.budget

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from ...common.constants import SLACK_M_S, TURN_RAD
 from ..core.compile import kernel
+from ..core.windows import last_begin, service_begin
 from .co_elliptic import leg_delta_v, phasing_radius
 from .zones import is_blocked
 
@@ -26,7 +27,7 @@ class Sequence(NamedTuple):
 
 
 @kernel
-def best_sequence(pair, rule, departure, lead, earliest, latest, most=math.inf):
+def best_sequence(pair, rule, departure, lead, windows, body, after, most=math.inf):
     """The sequence of a departure event with the least ΔV + w·T (docs/model.md sections 2 and 4).
 
     Parameters
@@ -37,9 +38,11 @@ def best_sequence(pair, rule, departure, lead, earliest, latest, most=math.inf):
         Time of the departure event [s].
     lead : float
         Δ, the target's lead over the chaser at departure, in [0, 2π) [rad].
-    earliest, latest : float
-        A sequence that takes less time than ``earliest`` has to wait at its end, so that T is that
-        much; one that takes more than ``latest`` is out of the question [s].
+    windows, body : Windows, int
+        Where a sequence ends before the service may begin it has to wait, so that T is the time
+        until that; one after which none may begin is out of the question.
+    after : float
+        Time of the departure with that of an approach [s].
     most : float
         So is one whose ΔV + w·T is no less than this [m/s].
 
@@ -54,11 +57,12 @@ def best_sequence(pair, rule, departure, lead, earliest, latest, most=math.inf):
     k_max = rule.max_phasing_revolutions
     phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
     s = math.ceil((pair.shortest * pair.rate_j - phase) / TURN_RAD)
-    last = min(pair.longest + k_max * pair.longest_lap, latest)
+    until = last_begin(windows, body)
+    last = min(pair.longest + k_max * pair.longest_lap, until - after)
     while True:
         time = (phase + TURN_RAD * s) / pair.rate_j
         s += 1
-        worth = w * max(time, earliest)
+        worth = w * (service_begin(windows, body, min(after + time, until)) - after)
         # Dearer than the best by time alone, or longer than any sequence: so is all that follows.
         if time > last or worth + pair.floor_delta_v > best_cost:
             break

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..core.compile import inlined, kernel
 from ..core.memory import borrowed
-from ..core.windows import service_end
+from ..core.windows import Windows, service_end
 from ..tables import timetable
 from . import resources as resource_kernels
 from .falls import Falls, lost_at
@@ -40,8 +40,8 @@ class Rules(NamedTuple):
     service : (bodies,) float64
         Time at each body after arrival: service, with the tow that follows, or refuelling at a
         station [s].
-    opens, closes : (bodies,) float64
-        No service begins before, or ends after, with the slack [s].
+    windows : Windows
+        When services may begin, with the slack.
     prize : (bodies,) float64
         What each target is worth to a planner at most; 0 for other bodies. Required targets are
         worth more than all others together, see :class:`adr_opt.mission.mission.Mission`.
@@ -72,8 +72,7 @@ class Rules(NamedTuple):
 
     table: timetable.Table
     service: np.ndarray
-    opens: np.ndarray
-    closes: np.ndarray
+    windows: Windows
     prize: np.ndarray
     is_station: np.ndarray
     may_end: np.ndarray
@@ -151,9 +150,8 @@ def fits(rules, body, time, left, destination):
         End of the service there [s].
     """
     delta_v, arrival = timetable.lookup(rules.table, body, destination, time)
-    end = service_end(arrival, rules.opens[destination], rules.service[destination])
-    in_time = end <= rules.closes[destination] and end <= rules.duration
-    return delta_v <= left and in_time, delta_v, end
+    end = service_end(rules.windows, destination, arrival, rules.service[destination])
+    return delta_v <= left and end <= rules.duration, delta_v, end
 
 
 @inlined

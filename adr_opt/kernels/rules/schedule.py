@@ -26,7 +26,7 @@ import numpy as np
 from ..core.compile import inlined, kernel
 from ..core.events import earliest_taken
 from ..core.lists import chosen, rising, wider
-from ..core.windows import service_end
+from ..core.windows import Windows, service_end
 from .falls import Falls, lost_at
 from .resources import Resources, extend
 
@@ -110,8 +110,8 @@ class Visit(NamedTuple):
         The body, and the kits aboard on the way there.
     service : float
         Time at it [s].
-    opens, closes : float
-        Service there begins no earlier and ends no later [s].
+    windows : Windows
+        When services may begin.
     refuels : bool
         Whether it is at a station, where the tank is filled.
     budget : float
@@ -126,8 +126,7 @@ class Visit(NamedTuple):
     body: int
     kits: int
     service: float
-    opens: float
-    closes: float
+    windows: Windows
     refuels: bool
     budget: float
     falls: Falls | None = None
@@ -173,7 +172,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
         Label before, and connection.
     """
     departure, arrival, delta_v, price = connections
-    body, kits, service, opens, closes, refuels, budget, falls, caps = visit
+    body, kits, service, windows, refuels, budget, falls, caps = visit
     alike = weight.size == 0
     room = 256
     ends, lefts, costs = np.empty(room), np.empty(room), np.empty(room)
@@ -188,8 +187,8 @@ def follow(ready, left, cost, weight, connections, visit, loads):
             if grown >= 0:
                 size = grown
             label += 1
-        end = service_end(arrival[c], opens, service)
-        if end > closes or delta_v[c] > _capped(caps, c, math.inf):
+        end = service_end(windows, body, arrival[c], service)
+        if end == math.inf or delta_v[c] > _capped(caps, c, math.inf):
             continue
         lost = lost_at(falls, body, end)
         # The stairs that can afford it; where the tank is filled the cheapest of them is enough, if

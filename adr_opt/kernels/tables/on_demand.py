@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...common.constants import DAY_S, TURN_RAD
-from ..core.compile import kernel
+from ..core.compile import inlined, kernel
 from ..core.events import earliest_taken, first_counted
-from ..core.windows import service_begin
+from ..core.windows import last_begin, service_begin
 from ..legs import co_elliptic, free_burns, precession, sequences, zones
 from ..legs.departure_events import least_speed, listed_at
 from ..legs.fixed_points import BAND_S
@@ -119,6 +119,12 @@ def chosen(source, i, j, ready):
     return found.delta_v, found.arrival
 
 
+@inlined
+def _begin(source, j, stand_off, approach):
+    """Start of the service after an approach, without the time that this takes [s]."""
+    return service_begin(source.limits.windows, j, stand_off + approach) - approach
+
+
 @kernel
 def at_regular_events(source, i, j, ready):
     """The same with all that is known of the connection, where events are regular.
@@ -136,12 +142,10 @@ def at_regular_events(source, i, j, ready):
     first, half_turns = co_elliptic.first_departure(pair)
     half_period = 0.5 * revolution_at(source.leaving[i], EPOCH_S)
     approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
-    opens = limits.opens[j] - approach
-    closes = limits.closes[j] - limits.service[j] - approach
     event = first_counted(first, half_period, earliest_taken(max(ready, limits.ready)))
     while True:
         departure = first + event * half_period
-        soonest = rule.time_value * service_begin(departure + pair.shortest, opens)
+        soonest = rule.time_value * _begin(source, j, departure + pair.shortest, approach)
         if departure > limits.duration or soonest + pair.floor_delta_v > best_cost:
             return Chosen(best_delta_v, best_arrival, left, revolutions)
         lead = co_elliptic.target_lead(pair, departure, half_turns + event)
@@ -150,11 +154,13 @@ def at_regular_events(source, i, j, ready):
             rule,
             departure,
             lead,
-            opens - departure,
-            closes - departure,
+            limits.windows,
+            j,
+            departure + approach,
             best_cost - rule.time_value * departure,
         )
-        cost = best.delta_v + rule.time_value * service_begin(departure + best.flight_time, opens)
+        begin = _begin(source, j, departure + best.flight_time, approach)
+        cost = best.delta_v + rule.time_value * begin
         if cost < best_cost:
             best_cost, best_delta_v = cost, best.delta_v
             best_arrival = departure + best.flight_time + approach
@@ -203,13 +209,12 @@ def _of_listed(source, i, j, ready):
     steps = max(1, math.ceil(source.interval * pair.rate_i / math.pi - 1e-9))
     lap, spacing = TURN_RAD / pair.rate_j, steps * math.pi / pair.rate_i
     approach = rule.approach_revolutions * lap
-    opens = limits.opens[j] - approach
-    closes = limits.closes[j] - limits.service[j] - approach
+    closes = last_begin(limits.windows, j) - approach
     earliest = earliest_taken(max(ready, limits.ready))
     event = _first_from(pair, steps, earliest)
     slowest, until = least_speed(pair, rule), min(earliest + PATIENCE_S, limits.duration)
     while True:
-        soonest = worth * service_begin(event.time + pair.shortest - BAND_S, opens)
+        soonest = worth * _begin(source, j, event.time + pair.shortest - BAND_S, approach)
         if event.time > until or soonest + pair.floor_delta_v > best_cost:
             return best_delta_v, best_arrival
         turn = slowest * math.sin(min(0.9 * event.theta, 0.5 * math.pi))
@@ -219,7 +224,9 @@ def _of_listed(source, i, j, ready):
             continue
         about = event.time + pair.shortest - BAND_S + 0.5 * lap
         met = precession.meeting(pair, rule, event.half_turns, event.alpha_j, about)
-        while met <= closes + BAND_S and worth * service_begin(met - BAND_S, opens) < best_cost:
+        while met <= closes + BAND_S:
+            if not worth * _begin(source, j, met - BAND_S, approach) < best_cost:
+                break
             best_delta_v, best_arrival, best_cost = _cheapest_met(
                 source, pair, j, event, met, earliest, (best_delta_v, best_arrival, best_cost)
             )
@@ -236,11 +243,9 @@ def _of_listed(source, i, j, ready):
 @kernel
 def _cheapest_met(source, pair, j, event, met, earliest, best):
     """The best sequence so far, or a better one of an event that meets the target near a time."""
-    rule, limits = source.rule, source.limits
+    rule = source.rule
     best_delta_v, best_arrival, best_cost = best
     approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
-    opens = limits.opens[j] - approach
-    closes = limits.closes[j] - limits.service[j] - approach
     time, turn = met - event.time, 4.0 * math.sin(0.5 * event.theta) ** 2
     for k in range(rule.max_phasing_revolutions + 1):
         if pair.shortest + k * pair.shortest_lap > time + BAND_S:
@@ -253,13 +258,14 @@ def _cheapest_met(source, pair, j, event, met, earliest, best):
             r = co_elliptic.phasing_radius(pair, rule, k, time)
             seems = co_elliptic.turned_delta_v(pair, rule, k, r, turn, 0.0)
         least = (1.0 - TURNED) * seems - TURNED_M_S
-        if least > source.most or least + rule.time_value * service_begin(met, opens) > best_cost:
+        begin = max(met, _begin(source, j, met - BAND_S, approach))
+        if least > source.most or least + rule.time_value * begin > best_cost:
             continue
         found = precession.fixed_point(
             pair, rule, event.half_turns, k, event.time, met, event.alpha_i, event.alpha_j
         )
-        cost = found.delta_v + rule.time_value * service_begin(found.stand_off, opens)
-        if cost >= best_cost or found.delta_v > source.most or found.stand_off > closes:
+        cost = found.delta_v + rule.time_value * _begin(source, j, found.stand_off, approach)
+        if not cost < best_cost or found.delta_v > source.most:
             continue
         if listed_at(event.time, found.departure) < earliest:
             continue

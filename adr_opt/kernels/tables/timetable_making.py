@@ -8,7 +8,7 @@ import numpy as np
 from ...common.constants import TURN_RAD
 from ..core.compile import kernel
 from ..core.events import earliest_taken
-from ..core.windows import service_begin
+from ..core.windows import Windows, service_begin
 from ..legs import co_elliptic, sequences
 from ..legs.found import ConnectionArrays
 from ..orbits.ephemeris import EPOCH_S, revolution_at
@@ -23,8 +23,9 @@ class ServiceLimits(NamedTuple):
     ----------
     service : (bodies,) float64
         Time at the body: service, with the tow that follows, or refuelling at a station [s].
-    opens, closes : (bodies,) float64
-        No service begins before, or ends after [s].
+    windows : Windows
+        When services may begin so that their capture and, before the end of the mission, all of
+        their time at the body fit.
     ready : float
         Since when the chaser is there, without slack [s].
     duration : float
@@ -32,8 +33,7 @@ class ServiceLimits(NamedTuple):
     """
 
     service: np.ndarray
-    opens: np.ndarray
-    closes: np.ndarray
+    windows: Windows
     ready: float
     duration: float
 
@@ -96,9 +96,6 @@ def fill(first, last, pairs, inputs, limits, table):
         start, half_turns = co_elliptic.first_departure(pair)
         table.first[i, slot] = start
         approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
-        # The arrival that service has to wait for, and the last that leaves time for it.
-        opens = limits.opens[j] - approach
-        closes = limits.closes[j] - limits.service[j] - approach
         m = 0
         while m < most:
             departure = start + m * half_period
@@ -112,7 +109,7 @@ def fill(first, last, pairs, inputs, limits, table):
                 continue
             lead = co_elliptic.target_lead(pair, departure, half_turns + m)
             best = sequences.best_sequence(
-                pair, rule, departure, lead, opens - departure, closes - departure
+                pair, rule, departure, lead, limits.windows, j, departure + approach
             )
             table.entries[i, m, slot, 0] = best.delta_v
             table.entries[i, m, slot, 1] = departure + best.flight_time + approach
@@ -124,8 +121,8 @@ def fill(first, last, pairs, inputs, limits, table):
         # A ready chaser may wait for later departures: the best of each event and all after it.
         for event in range(m - 2, -1, -1):
             here, later = table.entries[i, event, slot], table.entries[i, event + 1, slot]
-            opens = limits.opens[j]
-            longer = service_begin(later[1], opens) - service_begin(here[1], opens)
+            longer = service_begin(limits.windows, j, later[1])
+            longer -= service_begin(limits.windows, j, here[1])
             # Of two infinities the difference is no number, and not less.
             if here[0] == math.inf or later[0] + rule.time_value * longer < here[0]:
                 here[0], here[1] = later[0], later[1]
@@ -152,8 +149,8 @@ def choose(found, limits, j, time_value, taken):
     count = 0
     best = math.inf
     for c in range(found.departure.size - 1, -1, -1):
-        begins = service_begin(found.arrival[c], limits.opens[j])
-        if begins + limits.service[j] > limits.closes[j] or found.departure[c] > limits.duration:
+        begins = service_begin(limits.windows, j, found.arrival[c])
+        if begins == math.inf or found.departure[c] > limits.duration:
             continue
         if found.departure[c] < earliest_taken(limits.ready):
             break
@@ -250,8 +247,8 @@ def part_of(table: Table, limits: ServiceLimits, bodies: np.ndarray) -> tuple[Ta
         departure=table.departure[bodies][:, :, bodies],
         slot=NO_SLOTS,
     )
-    service, opens, closes = limits.service[bodies], limits.opens[bodies], limits.closes[bodies]
-    return part, ServiceLimits(service, opens, closes, limits.ready, limits.duration)
+    service, windows = limits.service[bodies], limits.windows.of(bodies)
+    return part, ServiceLimits(service, windows, limits.ready, limits.duration)
 
 
 @kernel

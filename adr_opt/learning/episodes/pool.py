@@ -9,7 +9,7 @@ from ...common.errors import InputError
 from ...common.memory import available_bytes
 from ...kernels.episodes import outlook as outlook_kernels
 from ...kernels.episodes.episodes import (
-    CLOSES,
+    LATEST,
     OPENS,
     PRIZE,
     SERVICE,
@@ -70,6 +70,7 @@ class FieldPool:
             counts=np.zeros((slots, 1 + len(CountLimits._fields)), dtype=np.int32),
             orbits=np.zeros((slots, bodies, len(ORBIT_COLUMNS))),
             limits=np.zeros((slots, 4, bodies)),
+            places=np.arange(bodies + 1),
             is_station=np.arange(bodies) < 1,
             tables=tables,
             angle=np.zeros((slots, bodies, bodies), dtype=np.float32),
@@ -119,8 +120,8 @@ class FieldPool:
         arrays.orbits[slot, :bodies] = orbits
         limits = arrays.limits[slot]
         limits[SERVICE, :bodies] = mission.rules.service
-        limits[OPENS, :bodies] = mission.rules.opens
-        limits[CLOSES, :bodies] = mission.rules.closes
+        limits[OPENS, :bodies] = mission.rules.windows.opening
+        limits[LATEST, :bodies] = mission.rules.windows.closing
         limits[PRIZE] = 0.0
         limits[PRIZE, :bodies] = in_mean_prizes(mission)
         stacked_timetables.put(arrays.tables, slot, table)

@@ -16,14 +16,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S, SLACK_S
+from ...kernels.core.windows import latest_arrival
 from ...kernels.legs.departure_events import Times
-from ...kernels.orbits.ephemeris import EPOCH_S, revolution_at
 from ...plan.after_tows import leaving_eccentricity_delta_v, leaving_orbits, pieced_of
 from ...plan.lifetimes import outliving
 from ...plan.tows import RemovalFlight, any_from_apogee, removals_of
 from ...problem.drives import Drive
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
+from ..service_limits import services_s, windows_at
 from .family import FloatArray, PairEnds, PiecedEnd
 
 SPARE_S = 7200.0
@@ -65,9 +66,9 @@ def altitude_limits(instance: Instance, drive: Drive | None) -> AltitudeLimits:
     arrive_by, leave_by = np.full((2, bodies), math.inf)
     if instance.given is not None:
         return AltitudeLimits(arrive_by, leave_by)
-    tows, stays_s = removals_of(instance, drive), _stays_s(instance)
+    tows, stays_s = removals_of(instance, drive), services_s(instance)
     fits = [None] * instance.first_target + [target.fit for target in instance.targets]
-    opens = [0.0] * instance.first_target + [target.window_s[0] for target in instance.targets]
+    windows = windows_at(instance)
     sinking = instance.decays_m_per_day
     for body, orbit in enumerate(instance.body_orbits):
         fit, sinks_m_s = fits[body], sinking[body] / DAY_S
@@ -84,9 +85,10 @@ def altitude_limits(instance: Instance, drive: Drive | None) -> AltitudeLimits:
             shaped = orbit.semi_major_axis_m, min(eccentricity, MOST_ECCENTRICITY)
             until = min(until, _released_well(*shaped, tow, sinks_m_s, instance.mission.duration_s))
         leave_by[body] = until - SPARE_S + (0.0 if tow is None else tow.time_s)
-        arrive_by[body] = until - SPARE_S - stays_s[body]
-        if opens[body] > arrive_by[body]:
-            arrive_by[body] = -math.inf
+        begin_by = until - SPARE_S - stays_s[body]
+        arrive_by[body] = begin_by
+        if begin_by < windows.closing[body]:  # waiting for a window takes time, too
+            arrive_by[body] = latest_arrival(windows, body, begin_by)
     arrive_by[list(outliving(instance, drive))] = -math.inf
     for array in (arrive_by, leave_by):
         array.setflags(write=False)
@@ -101,16 +103,6 @@ def _above(orbit: Orbit, eccentricity: float, sinks_m_s: float, least_m: float) 
     if spare < 0.0:
         return -math.inf
     return spare / ((1.0 - eccentricity) * sinks_m_s) if sinks_m_s > 0.0 else math.inf
-
-
-def _stays_s(instance: Instance) -> FloatArray:
-    """Time of a service at each body, or of a refuelling [s]."""
-    mission = instance.mission
-    laps_s = np.array([revolution_at(row, EPOCH_S) for row in instance.orbits()])
-    stays_s = mission.refuel_revolutions * laps_s
-    first, laps = instance.first_target, mission.service_revolutions
-    stays_s[first:] = mission.service_s if laps is None else laps * laps_s[first:]
-    return stays_s
 
 
 def _released_well(

@@ -123,7 +123,7 @@ def of_instance(instance: Instance) -> Card:
     targets = instance.targets
     prizes = sum(target.greatest_prize for target in targets)
     required = [target.name for target in targets if target.required]
-    windows = sum(target.window_s != (0.0, None) for target in targets)
+    windows = sum(instance.is_limited(target) for target in targets)
     details = [
         ("epoch", f"{instance.epoch:%Y-%m-%d %H:%M:%S} UTC"),
         ("sum of prizes", f"{prizes:g}"),

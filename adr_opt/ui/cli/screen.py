@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
 import click
 
+from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, param
 from .output import emit_json, emit_rich, say, say_written
@@ -25,7 +30,13 @@ SHOWN = 20
     default=5000.0,
     show_default=True,
 )
+@param.file("--errors", "CSV file of covariances and radii, for probabilities.", "errors_path")
 @param.file("--out", "CSV file of approaches to write.")
+@param.word(
+    "--messages",
+    "FOLDER",
+    "New folder for a conjunction data message (CCSDS) of each approach that is no visit.",
+)
 @param.skip_bad
 @param.as_json
 @param.quiet
@@ -34,7 +45,9 @@ def command(
     refined_path: str,
     files: tuple[str, ...],
     distance_m: float,
+    errors_path: str | None,
     out: str | None,
+    messages: str | None,
     skip_bad: bool,
     as_json: bool,
     quiet: bool,
@@ -43,25 +56,32 @@ def command(
 
     Objects move by SGP4. Bodies that a leg leaves or leads to are counted apart.
     """
-    from ...analysis.screening import approaches_csv, screen
+    from ...analysis.screening import approaches_csv, conjunction_message, read_errors, screen
     from ...common.files import write_text
     from ...sources import catalogue
     from .tables import number_table
 
-    check_out(out, instance_path, refined_path, *files)
+    check_out(out, instance_path, refined_path, *files, errors_path)
+    if messages is not None:
+        _check_folder(messages, errors_path)
+    errors = {} if errors_path is None else read_errors(errors_path)
     admitted = admitted_refined(instance_path, refined_path)
     found = catalogue.read(files, skip_bad=skip_bad)
-    approaches = screen(admitted.instance, admitted, found.records, distance_m=distance_m)
+    approaches = screen(
+        admitted.instance, admitted, found.records, distance_m=distance_m, errors=errors
+    )
+    others = [each for each in approaches if not each.own]
+    if messages is not None:
+        _write_messages(messages, [conjunction_message(each, errors) for each in others])
     if out is not None:
         write_text(out, approaches_csv(approaches))
-    others = [each for each in approaches if not each.own]
     found_of_others = counted(len(others), "approach", "approaches")
     say(
         f"{counted(len(found.records), 'object')}: {found_of_others} within {distance_m:g} m, and "
         f"{len(approaches) - len(others)} of bodies that are visited",
         unless=quiet,
     )
-    say_written(out, quiet=quiet)
+    say_written(out, messages, quiet=quiet)
     if as_json:
         emit_json(
             {
@@ -75,7 +95,9 @@ def command(
         )
     elif others and not quiet:
         nearest = sorted(others, key=lambda each: each.miss_m)[:SHOWN]
-        headings = "leg", "time", "miss [m]", "radial", "along", "cross", "speed [m/s]", "age [d]"
+        headings = ["leg", "time", "miss [m]", "radial", "along", "cross", "speed [m/s]", "age [d]"]
+        if errors:
+            headings.append("probability")
         rows = (
             (
                 each.object,
@@ -87,9 +109,34 @@ def command(
                 ),
                 f"{each.speed_m_s:.0f}",
                 f"{each.age_days:.1f}",
+                *([_chance(each.probability)] if errors else []),
             )
             for each in nearest
         )
         title = f"The {len(nearest)} nearest approaches of {len(others)}"
         emit_rich(number_table(title, headings, rows, first="object"))
     return 0
+
+
+def _chance(probability: float | None) -> str:
+    return "" if probability is None else f"{probability:.1e}"
+
+
+def _check_folder(folder: str, errors: str | None) -> None:
+    """Refuse a folder that messages cannot be written to, before anything is computed."""
+    path = Path(folder)
+    if errors is None:
+        raise InputError("--messages needs --errors: a message states covariances")
+    if path.exists():
+        raise InputError(f"{folder}: exists already; name a new folder for the messages")
+    parent = path.resolve().parent
+    if not parent.is_dir() or not os.access(parent, os.W_OK):
+        raise InputError(f"{folder}: {parent} is no folder that can be written to")
+
+
+def _write_messages(folder: str, texts: Sequence[str]) -> None:
+    from ...common.files import write_text
+
+    Path(folder).mkdir()
+    for number, text in enumerate(texts, start=1):
+        write_text(Path(folder) / f"{number:0{len(str(len(texts)))}d}.cdm", text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 @param.number("--capture", "S", "Time that has to fit into a window.", "capture_s", default=0.0)
 @param.flag("--ephemerides", "Go by the ephemerides beside INSTANCE.")
 @param.file("--out", "CSV file of windows to write: target,opens_s,closes_s.")
+@param.file("--into", "Instance to write that has these windows, in the file of --out beside it.")
 @param.as_json
 @param.quiet
 def command(
@@ -60,6 +62,7 @@ def command(
     capture_s: float,
     ephemerides: bool,
     out: str | None,
+    into: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
@@ -68,9 +71,8 @@ def command(
     All conditions have to hold at once, and for the whole of a capture.
     """
     from ...analysis.windows import STATIONS, CaptureConditions, read_stations, windows_of
-    from ...analysis.windows.conditions import read_windows, windows_csv
     from ...analysis.windows.intervals import common, lasting
-    from ...common.files import write_text
+    from ...problem.capture_windows import file_of, read_windows
     from ...problem.instance import load
     from .tables import number_table
 
@@ -78,13 +80,16 @@ def command(
         raise InputError(f"--capture = {capture_s:g}: must be at least 0")
     instance = load(instance_path)
     check_out(out, instance_path, *within, stations)
+    check_out(into, instance_path, *within, stations)
+    if into is not None and (out is None or Path(out).parent != Path(into).parent):
+        raise InputError("--into: give --out as well, a file in the same folder")
     known = STATIONS | ({} if stations is None else read_stations(stations))
     for name in contacts:
         if name not in known:
             raise InputError(f"--contact {name}: no such station; use one of: {', '.join(known)}")
     given: dict[str, Array] = {}
     for path in within:
-        for name, intervals in read_windows(path).items():
+        for name, intervals in read_windows(path).intervals.items():
             given[name] = common(given[name], intervals) if name in given else intervals
     conditions = CaptureConditions(
         light, sun_angle_deg, tuple(known[name] for name in contacts), mask_deg, given, margin_s
@@ -92,12 +97,15 @@ def command(
     found = windows_of(instance, conditions, _reported(instance) if ephemerides else None)
     found = {name: lasting(intervals, capture_s) for name, intervals in found.items()}
     rows = {name: _figures(intervals, instance) for name, intervals in found.items()}
+    windows = file_of(found)
     if out is not None:
-        write_text(out, windows_csv(found))
+        windows.write(out)
+    if out is not None and into is not None:
+        instance.with_windows(windows, Path(out).name, capture_s or None).save(into)
     for name, row in rows.items():
         if not row["windows"]:
             say(f"{name!r} can never be captured, for {capture_s:g} s at a time", unless=quiet)
-    say_written(out, quiet=quiet)
+    say_written(out, into, quiet=quiet)
     if as_json:
         emit_json({"instance": instance.name, "path": out, "targets": rows})
     elif not quiet:

@@ -23,7 +23,7 @@ from .budget import delta_v_left, leg_delta_v, mass
 from .courses import altitude, earth, keep_out_zones, nodes, orbits, path
 from .gantt import Segment, gantt, segments
 from .nodes import matrix, planes
-from .studies import tradeoff
+from .studies import approaches, tradeoff
 
 __all__ = [
     "COLOURS",
@@ -31,6 +31,7 @@ __all__ = [
     "PHASES",
     "Segment",
     "altitude",
+    "approaches",
     "delta_v_left",
     "earth",
     "gantt",

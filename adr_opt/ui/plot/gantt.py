@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
 from ...legs.service_limits import service_begins
 from ...plan.phases import COLOURS, LABELS, PHASES
 from ...plan.plan import Leg, LowThrustArc, Plan
@@ -72,7 +74,7 @@ def _of_leg(instance: Instance, number: int, leg: Leg, *, waits: bool) -> Iterat
     stay = "refuelling" if leg.destination in instance.station_names else "service"
     if waits and not leg.traits.from_nowhere:
         yield Segment(number, "wait", leg.ready_s, leg.leaves_s)
-    for burn, after in pairwise(leg.burns):
+    for burn, after in pairwise(leg.impulses):
         yield Segment(number, burn.phase, burn.time_s, after.time_s)
     if leg.manoeuvres is not None and len(leg.manoeuvres) == 2:
         yield from _of_thrust(number, leg, *leg.manoeuvres)
@@ -115,8 +117,40 @@ def phase_bars(found: Iterable[Segment], row_of: Callable[[int], int]) -> list[B
     ]
 
 
+WINDOWS, WINDOW_COLOUR, WINDOW_SHARE = "may be captured", "#e9d9a0", 0.96
+"""Bands behind the phases, a little wider."""
+
+
+def window_bars(instance: Instance, plan: Plan, row_of: Callable[[int], int]) -> Iterator[Bars]:
+    """Windows of targets, as far as they are open from the beginning of a leg to its end."""
+    limited = {
+        target.name: instance.intervals_of(target)
+        for target in instance.targets
+        if instance.is_limited(target)
+    }
+    found = [
+        Segment(number, WINDOWS, max(opens, leg.leaves_s), min(closes, leg.end_s))
+        for number, leg in enumerate(plan.legs, start=1)
+        for opens, closes in limited.get(leg.destination, np.empty((0, 2))).tolist()
+        if opens < leg.end_s and closes > leg.leaves_s
+    ]
+    if found:
+        yield Bars(
+            name=WINDOWS,
+            colour=WINDOW_COLOUR,
+            of=found,
+            legs=[band.leg for band in found],
+            x=days([band.start_s for band in found]),
+            y=[row_of(band.leg) for band in found],
+            lengths=days([band.duration_s for band in found]),
+            share=WINDOW_SHARE,
+        )
+
+
 def gantt_chart(instance: Instance, plan: Plan, *, headed: bool) -> Chart:
     """One row per leg, named by its destination, first on top, with a bar for each phase.
+
+    Behind them are bands of the windows of the target.
 
     Parameters
     ----------
@@ -139,8 +173,9 @@ def gantt_chart(instance: Instance, plan: Plan, *, headed: bool) -> Chart:
             rows.append(f"{who}: {leg.destination}" if is_named else leg.destination)
             row_of[number] = len(rows)
     bars = phase_bars(segments(instance, plan), row_of.__getitem__)
+    bands = window_bars(instance, plan, row_of.__getitem__)
     return Chart(
-        tuple(bars), DAYS, ChartAxis("destination", rows=tuple(rows), headings=tuple(headings))
+        (*bands, *bars), DAYS, ChartAxis("destination", rows=tuple(rows), headings=tuple(headings))
     )
 
 

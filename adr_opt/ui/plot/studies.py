@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from ...analysis.rehearse.rehearsals import Rehearsals
+from ...analysis.screening import CloseApproach
 from ...analysis.trade.axes import KINDS, AxisKind
 from ...common.constants import DAY_S
 from ...plan.palette import CHASERS
 from ...sources.worth import RemovalWorth
 from ...sources.worth.bodies import ends_km
-from .chart import Chart, ChartAxis, Line, Link, Marks, draw
+from .chart import KM_M, Chart, ChartAxis, Line, Link, Marks, draw
 
 if TYPE_CHECKING:
     from ...analysis.design.results import DesignStudy
@@ -77,6 +78,23 @@ FRONT, PLANS, BOUNDS = "Pareto front", "avoided by the plan of a design", "no pl
 def anchor(at: int) -> str:
     """Name of a design's section on a page, by its place in the study."""
     return f"design-{at + 1}"
+
+
+def approaches(ax: Any, found: Sequence[CloseApproach]) -> Any:
+    """Add misses of approaches against time; those of bodies that are visited are open circles.
+
+    Parameters
+    ----------
+    found : sequence of CloseApproach
+        As :func:`adr_opt.analysis.screening.screen` finds them.
+    """
+    series = []
+    for name, own, symbol in (("objects", False, "circle"), ("visited", True, "circle-open")):
+        there = [each for each in found if each.own == own]
+        days = [each.time_s / DAY_S for each in there]
+        misses_km = [each.miss_m / KM_M for each in there]
+        series.append(Marks(name=name, colour=CHASERS[own], x=days, y=misses_km, symbol=symbol))
+    return draw(ax, Chart(tuple(series), ChartAxis("time [d]"), ChartAxis("miss [km]")))
 
 
 def designs_chart(study: DesignStudy) -> Chart:

@@ -23,7 +23,6 @@ from ...judge.check.violation import Violation
 from ...plan.phases import PHASES
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
-from ...plan.routes import several
 from ...problem.instance import Instance
 from ...problem.rules import JUDGED, Follower
 from ...problem.support import refuse
@@ -203,6 +202,7 @@ def _page(known: _Found) -> str:
     found, refined, trouble = facts(instance, plan), known.refined, known.trouble
     burned = burns.impulses(plan, _flown_arcs(known), refined)
     library, script = chart_library(), page_script()
+    lanes_title, lanes_note = sections.lanes(instance)
     done = {segment.phase for segment in segments(instance, plan)}
     epoch = instance.epoch.astimezone(UTC)
     subtitle = (
@@ -222,6 +222,7 @@ def _page(known: _Found) -> str:
         title=escape(f"{instance.name} · {found.visits} of {counted(found.targets, 'target')}"),
         name=escape(instance.name),
         style=asset("page.css"),
+        story=sections.story(plan, found, refined),
         subtitle=subtitle,
         verdict=sections.verdict(
             instance,
@@ -234,6 +235,9 @@ def _page(known: _Found) -> str:
         ),
         headline=sections.headline(found, refined),
         crew=sections.crew(instance, plan, refined),
+        globe=space.globe(instance),
+        lanes_title=lanes_title,
+        lanes_note=lanes_note,
         flight=space.flight(instance, plan),
         budget_note=sections.budget_note(instance),
         ends="service or refuelling" if instance.stations else "service",
@@ -280,6 +284,7 @@ def _data(
         "budget": figures.budget(instance, plan),
         "costs": figures.costs(plan, known.refined),
         "gantt": figures.gantt(instance, plan),
+        "lanes": figures.lanes(instance, plan),
     }
     if is_moved:
         charts["altitude"] = figures.altitude(instance, plan, drawn)
@@ -288,8 +293,6 @@ def _data(
         charts["mass"] = figures.mass(instance, plan)
     if instance.has_orbits:
         charts["planes"] = figures.planes(instance, plan)
-    if several(instance):
-        charts["lanes"] = figures.lanes(instance, plan)
     if instance.nodes_drift:
         charts["nodes"] = figures.nodes(instance, plan, drawn)
     last = charts["gantt"]["layout"]["xaxis"]["range"][1]

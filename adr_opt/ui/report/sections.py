@@ -167,22 +167,26 @@ def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
     if not several(instance):
         load = tables.loads(instance, plan)
         return load and f"<section><h2>What the chaser carries</h2>{load}</section>"
-    title, said, traffic = "Chasers", "A lane for each chaser, coloured by phase.", ""
+    title, traffic = "Chasers", ""
     if instance.stations:
         title = "Chasers and stations"
-        said = (
-            "A lane for each chaser, coloured by phase, and one for each station, coloured by the "
-            "chaser that is there."
-        )
         traffic = "<h3>Station traffic</h3>" + tables.traffic(instance, plan)
     return (
-        f"<section><h2>{title}</h2><p>{said} In other charts a chaser has the colour of its dot in "
-        'the table.</p><div class="chart own" id="lanes"></div>'
+        f"<section><h2>{title}</h2><p>In charts a chaser has the colour of its dot.</p>"
         + tables.chasers(instance, plan, refined)
         + ("<h3>What they carry</h3>" + load if (load := tables.loads(instance, plan)) else "")
         + traffic
         + "</section>"
     )
+
+
+def lanes(instance: Instance) -> tuple[str, str]:
+    """Heading of the lanes, and what they are."""
+    title = "Chasers" if several(instance) else "Mission"
+    said = f"A lane for {'each' if several(instance) else 'the'} chaser, coloured by phase"
+    if instance.stations:
+        said += ", and one for each station, coloured by the chaser that is there"
+    return title, said + "."
 
 
 def budget_note(instance: Instance) -> str:
@@ -232,6 +236,33 @@ def _box(title: str, said: str, found: Iterable[object]) -> str:
         f'<section class="verdict bad" role="alert"><h2>{title}</h2><p>{said}</p>'
         f"<ul>{items}</ul></section>"
     )
+
+
+def story(plan: Plan, found: Facts, refined: RefinedPlan | None) -> str:
+    """The plan in a sentence: what it collects, what it takes, and what is possible at most."""
+    said = f"<b>{number(found.visits)} of {counted(found.targets, 'target')}</b>"
+    if not found.counts_visits:
+        said += f", worth {_figure(found.prize)} of {_figure(found.total_prize)},"
+    said += f" in {in_days(found.used_s)}"
+    if found.flying > 1:
+        said += f" by {found.flying} chasers"
+    said += ", with "
+    if found.refuellings:
+        said += f"{counted(found.refuellings, 'refuelling')} and "
+    said += f"{number(found.delta_v_m_s, 0)}\u202fm/s"
+    if refined is not None and not refined.missing and found.delta_v_m_s > 0.0:
+        share = refined.flown_delta_v_m_s / found.delta_v_m_s - 1.0
+        if abs(share) < 0.005:
+            said += "; refined it takes as much"
+        else:
+            said += (
+                f"; refined {100.0 * abs(share):.0f}\u202f% {'dear' if share > 0.0 else 'cheap'}er"
+            )
+    if plan.status == "optimal":
+        return said + f"; no plan {'visits' if found.counts_visits else 'collects'} more."
+    if found.upper_bound is not None:
+        return said + f"; at most {_figure(found.upper_bound)} are possible."
+    return said + "; no bound is known."
 
 
 def headline(found: Facts, refined: RefinedPlan | None = None) -> str:
@@ -408,7 +439,7 @@ def _disposals(instance: Instance) -> set[str]:
 
 def _rules_in_words(instance: Instance) -> list[str]:
     """Unusual requirements of an instance: times, ends, numbers."""
-    windows = sum(target.window_s != (0.0, None) for target in instance.targets)
+    windows = sum(instance.is_limited(target) for target in instance.targets)
     required = sum(target.required for target in instance.targets)
     rules = [said for chaser in instance.chasers for said in _rules_of(instance, chaser)]
     if required:

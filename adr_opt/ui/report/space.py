@@ -56,8 +56,7 @@ def views(instance: Instance) -> str:
     )
     return (
         '<div class="controls views"><label>View <select id="view">'
-        f'<option value="">all orbits</option>{options}</select></label>'
-        "<span>Drag or arrow keys turn it; pinch, scroll or + and − come nearer.</span></div>\n"
+        f'<option value="">all orbits</option>{options}</select></label></div>\n'
     )
 
 
@@ -81,42 +80,41 @@ def path_of(instance: Instance) -> str:
     return "the chasers’ paths" if several(instance) else "the chaser’s path"
 
 
-def flight(instance: Instance, plan: Plan) -> str:
-    """Sections with the path of the chaser."""
+def globe(instance: Instance) -> str:
+    """The section with the orbits and the path of the chaser; none where there is no path."""
     if instance.has_low_thrust:
-        return _thrust(instance, plan)
-    if not instance.has_trajectories:
+        others = any(chaser.thrust_n is None for chaser in instance.chasers)
+        said = (
+            "visited and unvisited targets, drift orbits and tows, of each at most one revolution, "
+            "and along arcs of thrust the windows in which it is on, shadow or not, as they turn "
+            "with the node." + (" Chasers without low thrust are left out." if others else "")
+        )
+    elif instance.has_trajectories:
+        flies = "the chasers fly" if several(instance) else "the chaser flies"
+        bodies = f"{'station, ' if instance.stations else ''}visited and unvisited targets"
+        said = f"{bodies}, and the arcs that {flies}, at most one revolution of each."
+    else:
         return ""
-    flies = "the chasers fly" if several(instance) else "the chaser flies"
-    bodies = f"{'station, ' if instance.stations else ''}visited and unvisited targets"
     return (
-        f"<section>\n<h2>Orbits and {path_of(instance)}</h2>\n"
-        f"<p>To scale, in the inertial frame of the elements: {bodies}, and the arcs that {flies}, "
-        "at most one revolution of each. Marks and the Earth are as they are at the time of the "
-        "slider, with day, night and, in orange, the line between them.</p>\n"
-        f"{views(instance)}"
-        '<div class="chart tall" id="orbits"></div>\n</section>\n'
-        f"{_ground(instance, plan)}\n{_closeup(instance)}\n"
-        f"<section>\n<h2>Altitude</h2>\n<p>{_altitude_note(instance)}</p>\n"
-        '<div class="chart" id="altitude"></div>\n</section>'
+        f'<section>\n<div class="heading"><h2>Orbits and {path_of(instance)}</h2>\n'
+        f'{views(instance)}</div>\n<div class="chart tall" id="orbits"></div>\n'
+        "<details><summary>What is shown</summary><p>To scale, in the inertial frame of the "
+        f"elements: {said} Marks and the Earth are as they are at the time of the slider, with "
+        "day, night and, in orange, the line between them. Drag or arrow keys turn it; pinch, "
+        "scroll or + and − come nearer.</p></details>\n</section>"
     )
 
 
-def _thrust(instance: Instance, plan: Plan) -> str:
-    """The same of chasers with low thrust, which are drawn by their arcs."""
-    others = any(chaser.thrust_n is None for chaser in instance.chasers)
-    missing = " Chasers without low thrust are left out." if others else ""
+def flight(instance: Instance, plan: Plan) -> str:
+    """Other sections with the path of the chaser."""
+    if not (instance.has_low_thrust or instance.has_trajectories):
+        return ""
+    said, closeup = "", _closeup(instance) + "\n"
+    if instance.has_low_thrust:
+        said, closeup = "Between its arcs of thrust a leg is on its drift orbit. ", ""
     return (
-        f"<section>\n<h2>Orbits and {path_of(instance)}</h2>\n"
-        "<p>To scale, in the inertial frame of the elements: visited and unvisited targets, drift "
-        "orbits and tows, of each at most one revolution, and along arcs of thrust the windows in "
-        "which it is on, shadow or not, as they turn with the node. Marks and the Earth are as "
-        "they are at the time of the slider, with day, night and, in orange, the line between them."
-        f"{missing}</p>\n{views(instance)}"
-        '<div class="chart tall" id="orbits"></div>\n</section>\n'
-        f"{_ground(instance, plan)}\n"
-        f"<section>\n<h2>Altitude</h2>\n<p>Between its arcs of thrust a leg is on its drift "
-        f"orbit. {_altitude_note(instance)}</p>\n"
+        f"{_ground(instance, plan)}\n{closeup}"
+        f"<section>\n<h2>Altitude</h2>\n<p>{said}{_altitude_note(instance)}</p>\n"
         '<div class="chart" id="altitude"></div>\n</section>'
     )
 

@@ -199,7 +199,7 @@ def lanes(instance: Instance, plan: Plan) -> Figure:
         more,
         xaxis=time_axis(instance, plan),
         showlegend=several(instance),
-        height=FRAME_PX + LANE_PX * max(len(chart.y.rows or ()), 3),
+        height=FRAME_PX + LANE_PX * max(len(chart.y.rows or ()), 2),
         barmode="overlay",
     )
 

@@ -72,6 +72,17 @@ function listen() {
   }
 }
 
+// Charts are as wide as the window; on paper they are as wide as what A4 and letters have room for.
+const PAPER_PX = 690;
+const PAPER_HEIGHT_PX = { orbits: 380, budget: 220, ground: PAPER_PX / 2 };
+const onPaper = (width) => Promise.all(
+  [...document.querySelectorAll(".chart")].filter((chart) => chart.data?.length).map((chart) => {
+    const own = chart.classList.contains("own") ? chart.layout.height : undefined;
+    const height = own ?? (width ? PAPER_HEIGHT_PX[chart.id] ?? 300 : undefined);
+    return Plotly.relayout(chart, { width, height, autosize: !width });
+  }),
+);
+
 // One chart per task, so that the page can be scrolled in between; the orbits, which take
 // longest, when everything else works and they come near the window.
 const pause = () => new Promise((done) => setTimeout(done));
@@ -92,6 +103,8 @@ async function begin() {
   listenToPictures();
   listenToView();
   listenToTools();
+  window.addEventListener("beforeprint", () => onPaper(PAPER_PX));
+  window.addEventListener("afterprint", () => onPaper(undefined));
   sides();
   mark("ready");
   for (const view of views.filter(({ chart }) => derived.has(chart))) {

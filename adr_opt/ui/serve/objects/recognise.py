@@ -95,7 +95,7 @@ def _of_the_project(path: Path, name: str) -> Recognised:
     kind = str(content.get("format") if isinstance(content, dict) else "").partition("/")[0]
     if kind == "adr-opt-instance":
         instance = parse_model(text, Instance, name)
-        if instance.transfer.given is not None or instance.ephemerides is not None:
+        if any(instance.files_beside):
             raise InputError(
                 f"{name}: it belongs together with other files; open it by the command line, as "
                 "'serve INSTANCE'"

@@ -84,12 +84,11 @@ class DraftsKept:
 
 def _linked(instance: Instance, before: Path, made: Path) -> bool:
     """Whether the files that belong to an instance could be linked from the step before."""
-    given, ephemerides = instance.transfer.given, instance.ephemerides
-    if given is None and ephemerides is None:
+    if not any(instance.files_beside):
         return False
     try:
         other = read_model(before / INSTANCE, Instance)
-        if (other.transfer.given, other.ephemerides) != (given, ephemerides):
+        if other.files_beside != instance.files_beside:
             return False
         for path in before.iterdir():
             if path.name != INSTANCE:

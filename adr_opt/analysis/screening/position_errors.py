@@ -1,0 +1,89 @@
+"""How well positions are known: covariances and sizes, from a file."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.errors import InputError
+from ...common.files import read_text
+
+Array = npt.NDArray[np.float64]
+
+COLUMNS = ("object", "radius_m", "cr_r", "ct_r", "ct_t", "cn_r", "cn_t", "cn_n")
+"""Columns of a file of position errors; covariances as a conjunction data message names them."""
+
+EVERYBODY = "*"
+"""Name of the row for objects without one of their own."""
+
+
+@dataclass(frozen=True)
+class PositionErrors:
+    """How well the position of an object is known, and how large it is.
+
+    Attributes
+    ----------
+    radius_m : float
+        Of a sphere that holds it [m].
+    covariance_m2 : (3, 3) float64
+        Of its position: radial, along, and along its angular momentum [m²].
+    """
+
+    radius_m: float
+    covariance_m2: Array
+
+    def turned(self, state: Array) -> Array:
+        """The covariance in the axes of a state of the object, shape (3, 3) [m²]."""
+        axes = orbital_axes(state)
+        turned: Array = axes.T @ self.covariance_m2 @ axes
+        return turned
+
+
+def orbital_axes(state: Array) -> Array:
+    """Directions radial, along and of the angular momentum as rows, shape (3, 3)."""
+    radial = state[:3] / np.linalg.norm(state[:3])
+    momentum = np.cross(state[:3], state[3:])
+    cross = momentum / np.linalg.norm(momentum)
+    return np.array([radial, np.cross(cross, radial), cross])
+
+
+def errors_of(errors: Mapping[str, PositionErrors], *names: str | None) -> PositionErrors | None:
+    """The errors of an object by the first of its names that is known, or everybody's."""
+    found = (errors[name] for name in (*names, EVERYBODY) if name is not None and name in errors)
+    return next(found, None)
+
+
+def read_errors(path: str | os.PathLike[str]) -> dict[str, PositionErrors]:
+    """Position errors of a CSV file with the columns :data:`COLUMNS`, by name.
+
+    Raises
+    ------
+    InputError
+        It cannot be read or has other columns, a value is no number, a covariance is none, or a
+        name stands twice.
+    """
+    rows = csv.DictReader(read_text(path).splitlines())
+    if tuple(rows.fieldnames or ()) != COLUMNS:
+        raise InputError(f"{path}: the first line must be {','.join(COLUMNS)}")
+    found: dict[str, PositionErrors] = {}
+    for row in rows:
+        where, name = f"{path}: line {rows.line_num}", row["object"]
+        if not name or name in found:
+            raise InputError(f"{where}: {'a name is missing' if not name else f'{name!r} again'}")
+        try:
+            radius, rr, tr, tt, nr, nt, nn = (float(row[column]) for column in COLUMNS[1:])
+        except (TypeError, ValueError):
+            raise InputError(f"{where}: all but the name must be numbers") from None
+        covariance = np.array([[rr, tr, nr], [tr, tt, nt], [nr, nt, nn]])
+        if not 0.0 < radius < math.inf:
+            raise InputError(f"{where}: radius_m = {radius:g}: must be a positive number of metres")
+        if not np.isfinite(covariance).all() or np.linalg.eigvalsh(covariance)[0] <= 0.0:
+            raise InputError(f"{where}: the covariance must be positive definite, in m²")
+        found[name] = PositionErrors(radius, covariance)
+    return found

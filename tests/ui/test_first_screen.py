@@ -1,0 +1,94 @@
+"""The first screen of a report tells the story of a mission: a sentence, the globe, the lanes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import browser
+import pytest
+
+import adr_opt
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.report import write_report
+from adr_opt.ui.report.facts import facts
+from adr_opt.ui.report.sections import story
+
+SIZES = ((1400, 900), (390, 844))
+"""Of a laptop and of a phone [px]."""
+
+KINDS = {
+    "one chaser": ("tiny", {}),
+    "nominal": ("nominal", {}),
+    "campaign": ("campaign", {"targets": 12}),
+    "electric": ("electric", {"targets": 6}),
+    "drift": ("rocket-bodies", {"targets": 8}),
+    "removal": ("removal", {"targets": 10}),
+}
+"""Kinds of missions: family and sizes."""
+
+
+def flown(kind: str) -> tuple[Instance, Plan]:
+    """A mission of a kind, with a quick plan."""
+    family, sizes = KINDS[kind]
+    instance = adr_opt.generate(family, 8_640_001, **sizes)
+    plan = adr_opt.solve(instance, "greedy").plan
+    assert plan is not None
+    return instance, plan
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=[] if kind == "nominal" else pytest.mark.slow) for kind in KINDS],
+)
+def test_the_story_is_on_the_first_screen(tmp_path: Path, kind: str, size: tuple[int, int]) -> None:
+    """Sentence, globe and the lane of the first chaser can be seen without scrolling."""
+    width, height = size
+    write_report(*flown(kind), tmp_path / "mission.html")
+    with browser.Browser(tmp_path / "profile", width=width, height=height) as tab:
+        tab.open(tmp_path / "mission.html")
+        tab.wait_for("document.documentElement?.dataset.complete")
+        ends = tab.evaluate(
+            "['.story', '#orbits', '#lanes .ytick'].map((part) =>"
+            " document.querySelector(part).getBoundingClientRect().bottom)"
+        )
+        assert max(ends) <= height, ends
+        assert tab.evaluate("document.documentElement.scrollWidth") == width
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+def test_charts_fit_on_paper(tmp_path: Path) -> None:
+    """When the page is printed no chart is wider than a sheet, and all days stay in view."""
+    widths = (
+        "[...document.querySelectorAll('.chart .main-svg')]"
+        ".map((drawing) => drawing.getBoundingClientRect().width)"
+    )
+    write_report(*flown("one chaser"), tmp_path / "mission.html")
+    with browser.Browser(tmp_path / "profile", width=1400, height=900) as tab:
+        tab.open(tmp_path / "mission.html")
+        tab.wait_for("document.documentElement?.dataset.complete")
+        days = tab.evaluate("document.getElementById('budget').layout.xaxis.range")
+        wide = max(tab.evaluate(widths))
+        tab.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+        tab.wait_for(f"Math.max(...{widths}) < 700")
+        assert tab.evaluate("document.getElementById('budget').layout.xaxis.range") == days
+        tab.evaluate("window.dispatchEvent(new Event('afterprint'))")
+        tab.wait_for(f"Math.max(...{widths}) === {wide}")
+
+
+def test_the_sentence_says_what_the_plan_says() -> None:
+    """Visits, days and refuellings are the plan's, and a bound or a proof is told as such."""
+    instance, plan = flown("nominal")
+    found = facts(instance, plan)
+    said = re.sub("<.*?>", "", story(plan, found, None))
+    assert said.startswith(f"{plan.objective:.0f} of 50 targets in ")
+    assert said.endswith("no bound is known.")
+    bounded = plan.replace(upper_bound=plan.objective + 2.0)
+    assert f"at most {plan.objective + 2.0:.0f} are possible" in story(
+        bounded, facts(instance, bounded), None
+    )
+    refined = adr_opt.refine(instance, plan, freedom="planned")
+    assert "refined" in story(plan, found, refined)
