@@ -28,14 +28,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...common.constants import SLACK_S
-from ...kernels.core.compile import kernel
 from .cargo import left_after
 from .completion import Array, Completion, still
-from .cuts import WORD, tolls
+from .cuts import WORD, Tolls, tolls
 from .legs import Legs
 
 FINE = 30
-"""Extra bits of precision of collected amounts over those of the table."""
+"""Collected amounts are in *fine units*, of which 2**FINE are a unit of the table."""
 
 MOST = 2**60
 """Largest amount in a list, so that no sum is too large for an integer [fine units]."""
@@ -96,9 +95,7 @@ class Question(NamedTuple):
         What the prize at the end of each leg has fallen by, rounded down [fine units].
     neighbourhoods : (words, bodies) int64
         What a walk that comes to a body still remembers.
-    rows, cut_memory : (cut words, bodies) int64
-        Cuts that a body is a row of, and those that are remembered there.
-    toll : (cuts,) int64
+    cuts : Tolls
         What each cut costs, rounded down [fine units].
     per_m_s, per_s : float
         What walks pay for ΔV and for the time until they end [fine units per m/s, per s].
@@ -116,9 +113,7 @@ class Question(NamedTuple):
     need: int
     lost: Array
     neighbourhoods: Array
-    rows: Array
-    cut_memory: Array
-    toll: Array
+    cuts: Tolls
     per_m_s: float
     per_s: float
     since: float
@@ -180,7 +175,7 @@ def dominates(legs: Legs, question: Question, some: ClosedLabels, others: Closed
     found &= np.all(some.counts <= others.counts, axis=0)
     found &= np.all(some.memory & ~others.memory == 0, axis=0)
     # It may have to pay at once what the other one has paid.
-    owing = tolls(some.odd & ~others.odd, question.toll)
+    owing = tolls(some.odd & ~others.odd, question.cuts.toll)
     found &= some.value - owing >= others.value
     return found
 
@@ -195,8 +190,7 @@ def is_answer(legs: Legs, question: Question, labels: ClosedLabels) -> Array:
     return ends
 
 
-@kernel
-def _less(product):
+def _less(product: Array) -> Any:
     """A payment, a little less for the rounding of products [fine units]."""
     return np.maximum(product.astype(np.int64) - PAID_LESS, 0)
 
@@ -205,17 +199,18 @@ def ends_of(legs: Legs, question: Question, labels: ClosedLabels) -> Iterator[Cl
     """Where the legs of labels end, as far as an answer may come of it; some at a time."""
     for begin in range(0, labels.body.size, ROWS):
         some = labels.at(np.s_[begin : begin + ROWS])
-        row, pair, leg = _first_legs(legs, some)
+        row, pair, _ = ways = _first_legs(legs, some)
         onto = _after(legs, question, some.at(row), pair)
-        way, leg, left, value = _flown(legs, question, some, onto, row, pair, leg)
+        way, leg, left, value = _flown(legs, question, some, onto, ways)
         ends = onto.at(way)._replace(time=legs.end[leg], left=left, value=value)
         yield ends.at(np.lexsort((leg, row[way])))
 
 
-def _first_legs(legs: Legs, labels: ClosedLabels) -> tuple[Array, Array, Array]:
-    """For labels and bodies that they may go to: row, pair, and the first leg that may be in time.
+def _first_legs(legs: Legs, labels: ClosedLabels) -> Array:
+    """Ways of labels to where they may go, shape (3, ways).
 
-    A pair is origin · bodies + destination.
+    Row of the label, pair, and the first leg that may be in time. A pair is origin · bodies +
+    destination.
     """
     terms, found = legs.terms, [np.empty((3, 0), dtype=np.int64)]
     counting, kits = terms.counting, labels.kits
@@ -234,8 +229,7 @@ def _first_legs(legs: Legs, labels: ClosedLabels) -> tuple[Array, Array, Array]:
             since = labels.time[rows] + legs.quickest[pair] - 2.0 * SLACK_S
             leg = low + np.searchsorted(legs.end[low:high], since)
             found.append(np.stack([rows, np.full(rows.size, pair), leg]))
-    row, pair, leg = np.concatenate(found, axis=1)
-    return row, pair, leg
+    return np.concatenate(found, axis=1)
 
 
 def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) -> ClosedLabels:
@@ -246,8 +240,8 @@ def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) ->
     word, bit = i // WORD, np.where(terms.is_station[i], 0, 1 << (i % WORD))
     for number in range(memory.shape[0]):
         memory[number] |= np.where(word == number, bit, 0)
-    remembered = before.odd & question.cut_memory[:, j]
-    value = before.value + question.gain[j] - tolls(remembered & question.rows[:, j], question.toll)
+    remembered, rows = before.odd & question.cuts.memory[:, j], question.cuts.rows[:, j]
+    value = before.value + question.gain[j] - tolls(remembered & rows, question.cuts.toll)
     return before._replace(
         body=j,
         kits=before.kits - terms.cargo.takes[j],
@@ -255,67 +249,50 @@ def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) ->
         worth=before.worth + question.worth[j],
         counts=before.counts * counting.keeps[:, j] + counting.adds[:, j],
         memory=memory,
-        odd=remembered ^ question.rows[:, j],
+        odd=remembered ^ rows,
     )
 
 
-@kernel
-def _flown(legs, question, labels, onto, row, pair, leg):
-    """The legs of which an answer may come, one after the other for all pairs at once.
+def _flown(
+    legs: Legs, question: Question, labels: ClosedLabels, onto: ClosedLabels, ways: Array
+) -> tuple[Array, ...]:
+    """The legs of which an answer may come, one after the other for all ways at once.
 
-    Parameters
-    ----------
-    legs : Legs
-    question : Question
-    labels, onto : ClosedLabels
-        Before a leg, and after one for each row.
-    row, pair, leg : (ways,) int64
-        As :func:`_first_legs` finds them.
-
-    Returns
-    -------
-    way, leg : (ends,) int64
-    left, value : (ends,)
-        After the stay.
+    Those are from ``labels`` to ``onto``, of which there is one for each. Gives for each leg its
+    way and number, and what is left and collected after the stay.
     """
-    terms, way, dearest = legs.terms, np.arange(row.size), np.full(row.size, np.inf)
-    ways, flown, lefts, values = way[:0], way[:0], dearest[:0], way[:0]
-    bodies = terms.service.size
-    i, j = pair // bodies, pair % bodies
+    row, pair, leg = ways
+    terms, way = legs.terms, np.arange(row.size)
+    i, j = np.divmod(pair, terms.bodies)
     came_from, stop = np.where(terms.is_station[i], -1, i), legs.first[pair + 1]
     since, kits, tank = labels.time[row] - SLACK_S, labels.kits[row], labels.left[row]
     is_station, full = terms.is_station[j], terms.cargo.full[kits]
-    while way.size:
-        inside = leg < stop[way]
-        way, leg, dearest = way[inside], leg[inside], dearest[inside]
-        # Not even by the cheapest of this leg and all later ones: then by none of them.
-        cheapest = legs.cheapest[leg]
-        left = left_after(terms.cargo, j[way], kits[way], tank[way] - cheapest)
-        left = np.where(is_station[way] & (left >= 0.0), full[way], left)
-        value = onto.value[way] - _less(cheapest * question.per_m_s)
-        more = _may_reach(question, onto, way, leg, j, came_from, left, value)
-        way, leg, dearest = way[more], leg[more], dearest[more]
-        cost = legs.delta_v[leg]
-        # What costs no less than an earlier end is no use.
-        flies = (legs.departure[leg] >= since[way]) & (cost < dearest) & (cost <= tank[way])
-        dearest = np.where(flies, cost, dearest)
+
+    def after(way: Array, leg: Array, cost: Array, lost: Any) -> tuple[Array, Array, Array]:
+        """What is left and collected after legs at a cost, and whether an answer may come of it."""
         left = left_after(terms.cargo, j[way], kits[way], tank[way] - cost)
         left = np.where(is_station[way] & (left >= 0.0), full[way], left)
-        value = onto.value[way] - question.lost[leg] - _less(cost * question.per_m_s)
-        good = flies & _may_reach(question, onto, way, leg, j, came_from, left, value)
-        ways, flown = np.concatenate((ways, way[good])), np.concatenate((flown, leg[good]))
-        lefts, values = np.concatenate((lefts, left[good])), np.concatenate((values, value[good]))
+        value = onto.value[way] - lost - _less(cost * question.per_m_s)
+        at = onto.kits[way], question.table.lands[leg], j[way], np.maximum(left, 0.0)
+        more = still(question.table, *at, came_from[way])
+        may = (left >= 0.0) & (value + (more << FINE) >= question.need)
+        if question.least > 0:
+            more = still(question.reach, *at, came_from[way])
+            may &= onto.worth[way] + (more << FINE) >= question.least
+        return left, value, may
+
+    dearest, found = np.full(row.size, np.inf), [(way[:0], leg[:0], tank[:0], way[:0])]
+    while way.size:
+        way, leg = way[leg < stop[way]], leg[leg < stop[way]]
+        # Not even by the cheapest of this leg and all later ones: then by none of them.
+        may = after(way, leg, legs.cheapest[leg], 0)[2]
+        way, leg = way[may], leg[may]
+        cost = legs.delta_v[leg]
+        # What costs no less than a leg that ends earlier is no use.
+        flies = (legs.departure[leg] >= since[way]) & (cost < dearest[way]) & (cost <= tank[way])
+        some, by = way[flies], leg[flies]
+        dearest[some] = cost[flies]
+        left, value, may = after(some, by, cost[flies], question.lost[by])
+        found.append((some[may], by[may], left[may], value[may]))
         leg = leg + 1
-    return ways, flown, lefts, values
-
-
-@kernel
-def _may_reach(question, onto, way, leg, j, came_from, left, value):
-    """Whether an answer may come of legs: of what they leave and all that is still to be had."""
-    at, rest = (onto.kits[way], question.table.lands[leg], j[way]), np.maximum(left, 0.0)
-    more = still(question.table, at[0], at[1], at[2], rest, came_from[way])
-    good = (left >= 0.0) & (value + (more << FINE) >= question.need)
-    if question.least > 0:
-        more = still(question.reach, at[0], at[1], at[2], rest, came_from[way])
-        good &= onto.worth[way] + (more << FINE) >= question.least
-    return good
+    return tuple(np.concatenate(column) for column in zip(*found, strict=True))
