@@ -114,7 +114,7 @@ def price_with(ends: Ends, radius: float, tilt: float) -> float:
     node, one, other, tilt, left = parts_with(ends, radius, tilt)
     whole = cost_with(ends, radius, tilt)
     if not ends.free or ends.shape == 0.0:
-        return whole
+        return float(whole)
     place = math.atan2(node, tilt + left)
     x = ends.eccentricities.j[0] - ends.eccentricities.i[0]
     y = ends.eccentricities.j[1] - ends.eccentricities.i[1]
@@ -189,14 +189,14 @@ def freest(ends: Ends, low: float, high: float) -> float:
     best = least_of_all(ends, low, high)
     first, second = math.sqrt(MU_M3_S2 / ends.radius_i), math.sqrt(MU_M3_S2 / ends.radius_j)
     if not ends.free or abs(first - second) >= 2.0 * ends.shape:
-        return best
+        return float(best)
     middle = 0.5 * (first + second)
     inner = MU_M3_S2 / (middle + ends.shape) ** 2
     outer = MU_M3_S2 / (middle - ends.shape) ** 2
     if outer <= low or inner >= high:
-        return best
+        return float(best)
     other = least_of_all(ends, max(inner, low), min(outer, high))
-    return other if least_tilted(ends, other)[0] < least_tilted(ends, best)[0] else best
+    return float(other if least_tilted(ends, other)[0] < least_tilted(ends, best)[0] else best)
 
 
 @kernel
