@@ -351,3 +351,24 @@ def test_numbers_that_are_none_are_refused(claims):
     none = labels._replace(memory=labels.memory[:0])
     why = why_open(legs, about, none, starts, listed.find(lambda ends: ends.body))
     assert why == "labels have not as many words, or counts, as walks have"
+
+
+def test_a_finder_can_neither_skip_nor_change_what_it_is_asked(claims):
+    """Rows of another shape are refused, and writing into the question changes nothing."""
+    claim, listed = claims[0]
+    legs, about, starts = claim.true
+    one = starts.at([0])
+
+    def first(ends: ClosedLabels) -> np.ndarray:
+        for own, column in zip(listed.labels.at([0]), ends, strict=True):
+            column[...] = own
+        return np.zeros(ends.body.size, np.int64)
+
+    def none(ends: ClosedLabels) -> np.ndarray:
+        return np.empty(0, np.int64)
+
+    for find in (none, lambda ends: np.int64(0), lambda ends: np.zeros((1, ends.body.size), int)):
+        why = why_open(legs, about, listed.labels, one, find)
+        assert why == "no label covers the end of a leg, or a start"
+    later = one._replace(time=listed.labels.time[[0]] - 1.0)
+    assert why_open(legs, about, listed.labels, later, first) is not None

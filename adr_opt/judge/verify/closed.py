@@ -1,22 +1,23 @@
 """Check of a list of labels: that no walk collects as much as is asked for.
 
-A *walk* is a route of a chaser that may return to targets that it has forgotten; an *answer* is one
-that may end where it is and has collected as much. A *label* is a beginning of walks: where it is
-and since when, what is left of the tank, kits aboard, what it has collected, how many targets it
-has serviced, and which it remembers. One label *dominates* another of its body if it is there no
-later, has as much left and collected with no more services, and remembers nothing else: whatever
-the other can still do, it can. A list of labels, which anybody may have made, is *closed* if
+A *walk* W is a route of a chaser that may return to targets that it has forgotten; an *answer* is
+one that may end where it is and has collected at least what is needed. A *label* L is a beginning
+of walks: where it is and since when, what is left of the tank, kits aboard, what it has collected,
+how many targets it has serviced, and which it remembers. L *dominates* W at the same body if it is
+there no later, has at least as much left and collected with no more services, and remembers only
+what W remembers: whatever W can still do, L can, and what dominates L dominates W. A list of
+labels, which anybody may have made, is *closed* if
 
 1. none of its labels is an answer,
 2. one of them dominates every beginning of a walk,
 3. every leg of every one of them ends in a label that one of them dominates, or that cannot become
-   an answer any more, by the table of :mod:`.completion`.
+   an answer any more, by the table of :mod:`.completion`, or later and no cheaper than another leg
+   to the same body.
 
-Then no walk is an answer. Follow one: a label of the list dominates its beginning. If one dominates
-it before a leg, that label can take this leg, too, and by 3 one dominates it afterwards, or nothing
-that comes can be an answer. Where it ends, one that is no answer dominates it: it is none, either.
-
-Nothing depends on the order of the list. Times and ΔV are exact, or rounded in favour of walks.
+Then no walk W is an answer. Some L dominates its beginning, by 2. If L dominates it before a leg, L
+can take that leg, too, and by 3 some L' dominates it afterwards, or no answer comes of it. Where W
+ends some L dominates it, which is no answer by 1: nor is W. Each label is checked for itself, so
+that their order does not matter. Times and ΔV are exact, or rounded in favour of walks.
 """
 
 from __future__ import annotations
@@ -40,10 +41,10 @@ MOST = 2**60
 """Largest amount in a list, so that no sum is too large for an integer [fine units]."""
 
 PAID_LESS = 64
-"""Amount that payments are lessened by, for the rounding of products [fine units]."""
+"""Amount that payments are lessened by, for the rounding of products up to 2**57 [fine units]."""
 
 ROWS = 8192
-"""Number of labels that are gone on from at once."""
+"""Labels that are gone on from at once."""
 
 
 class ClosedLabels(NamedTuple):
@@ -60,7 +61,7 @@ class ClosedLabels(NamedTuple):
     counts : (kinds, labels) int64
         Stays of each kind of :class:`.cargo.StayCounts`.
     memory : (words, labels) int64
-        Bit j % 63 of word j // 63: may not go to target j.
+        Bit j % 63 of word j // 63: may not go to target j, which a walk sets as it leaves j.
     odd : (cut words, labels) int64
         Cuts of which an odd number of services is remembered.
     """
@@ -81,30 +82,30 @@ class ClosedLabels(NamedTuple):
 
 
 class Question(NamedTuple):
-    """What walks are asked for.
+    """What walks are asked for; the core takes it on trust from who reads the claim.
 
     Attributes
     ----------
     table, reach : Completion
-        For the gains, and for the worth.
+        For the gains, and for the worth, of which nothing is paid.
     gain : (bodies,) int64
         What a service is worth less its multiplier, rounded up [fine units].
     need : int
         What a walk is to collect [fine units].
     lost : (legs,) int64
-        What the prize at the end of each leg has fallen by, rounded down [fine units].
+        By what the prize at each leg's end has fallen: no less at a later one [fine units].
     neighbourhoods : (words, bodies) int64
         What a walk that comes to a body still remembers.
     cuts : Tolls
-        What each cut costs, rounded down [fine units].
+        What each cut costs at every second service of its targets, rounded down [fine units].
     per_m_s, per_s : float
-        What walks pay for ΔV and for the time until they end [fine units per m/s, per s].
+        At least 0, what walks pay for ΔV and the time until they end [fine units per m/s, per s].
     since : float
         When that time begins [s].
     worth : (bodies,) int64
         Of a service, rounded up [fine units of ``reach``].
     least : int
-        What a walk is to be worth; 0 where no worth is asked for.
+        What a walk is to be worth, or 0.
     """
 
     table: Completion
@@ -122,8 +123,7 @@ class Question(NamedTuple):
 
 
 Finder = Callable[[ClosedLabels], Array]
-"""Gives for each of some labels the row of one in the list that dominates it. A wrong row proves
-nothing, so nobody has to trust it."""
+"""Gives for each of some labels the row of one in the list that dominates it; not trusted."""
 
 
 def why_open(
@@ -143,7 +143,10 @@ def why_open(
         Asked for the starts, and then for the ends of the legs of the labels, some at a time: in
         the order of the list, and those of a label in order of legs.
     """
-    if any(own.shape[:-1] != one.shape[:-1] for own, one in zip(labels, starts, strict=True)):
+    pairs = zip(labels, starts, strict=True)
+    labels = ClosedLabels(*(np.array(own, one.dtype) for own, one in pairs))
+    shapes = [(*one.shape[:-1], labels.body.size) for one in starts]
+    if [own.shape for own in labels] != shapes:
         return "labels have not as many words, or counts, as walks have"
     ranges = (
         (labels.value, -MOST, MOST),
@@ -157,8 +160,8 @@ def why_open(
     if np.any(is_answer(legs, question, labels)):
         return "a walk collects as much"
     for ends in chain([starts], ends_of(legs, question, labels)):
-        row = find(ends)
-        if not np.all((row >= 0) & (row < labels.body.size)):
+        row = np.array(find(ClosedLabels(*map(np.copy, ends))), dtype=np.int64)
+        if row.shape != ends.body.shape or np.any((row < 0) | (row >= labels.body.size)):
             return "no label covers the end of a leg, or a start"
         if not np.all(dominates(legs, question, labels.at(row), ends)):
             return "a label does not cover the end of a leg, or a start, that it is said to cover"
@@ -167,7 +170,7 @@ def why_open(
 
 def dominates(legs: Legs, question: Question, some: ClosedLabels, others: ClosedLabels) -> Array:
     """Which labels dominate others, one by one."""
-    # One with a kit more that weighs something has less left once that is gone.
+    # Where kits weigh something, one more aboard means less left once it is gone.
     aboard = np.equal if legs.terms.cargo.heavy else np.greater_equal
     found: Array = (some.body == others.body) & aboard(some.kits, others.kits)
     found &= (some.time <= others.time) & (some.left >= others.left)
@@ -192,7 +195,7 @@ def is_answer(legs: Legs, question: Question, labels: ClosedLabels) -> Array:
 
 def _less(product: Array) -> Any:
     """A payment, a little less for the rounding of products [fine units]."""
-    return np.maximum(product.astype(np.int64) - PAID_LESS, 0)
+    return np.maximum(np.minimum(product, 2.0**57).astype(np.int64) - PAID_LESS, 0)
 
 
 def ends_of(legs: Legs, question: Question, labels: ClosedLabels) -> Iterator[ClosedLabels]:
@@ -281,17 +284,18 @@ def _flown(
             may &= onto.worth[way] + (more << FINE) >= question.least
         return left, value, may
 
-    dearest, found = np.full(row.size, np.inf), [(way[:0], leg[:0], tank[:0], way[:0])]
+    least_paid, found = np.full(row.size, np.inf), [(way[:0], leg[:0], tank[:0], way[:0])]
     while way.size:
         way, leg = way[leg < stop[way]], leg[leg < stop[way]]
         # Not even by the cheapest of this leg and all later ones: then by none of them.
         may = after(way, leg, legs.cheapest[leg], 0)[2]
         way, leg = way[may], leg[may]
         cost = legs.delta_v[leg]
-        # What costs no less than a leg that ends earlier is no use.
-        flies = (legs.departure[leg] >= since[way]) & (cost < dearest[way]) & (cost <= tank[way])
+        # What costs no less than a leg of the pair that ends earlier is no use: that one leaves a
+        # label that dominates, and if no answer comes of it none comes of this one.
+        flies = (legs.departure[leg] >= since[way]) & (cost < least_paid[way]) & (cost <= tank[way])
         some, by = way[flies], leg[flies]
-        dearest[some] = cost[flies]
+        least_paid[some] = cost[flies]
         left, value, may = after(some, by, cost[flies], question.lost[by])
         found.append((some[may], by[may], left[may], value[may]))
         leg = leg + 1

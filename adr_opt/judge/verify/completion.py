@@ -1,11 +1,14 @@
 """Most that a walk can still collect, by body, time, ΔV left and kits: one pass back in time.
 
-Times are counted in *steps* and ΔV in *slots*, always so that walks may do more than chasers: who
-is ready within a step may take everything that leaves in it; a leg costs its whole slots only, and
-a slot of the tank is worth all that it may hold, before a service and after it. A walk remembers
-where it comes from, and nothing else. So no walk collects more than is said here: from the last
-step none goes on, and what is had from an earlier one is what the best leg gives and what is said
-of the place and the later step where it ends, or what is had if nothing leaves before the next.
+Times are counted in *steps* and ΔV in *slots*, always so that the walks of this table may do more
+than those of :mod:`.closed`: who is ready within a step may take everything that leaves in it; a
+leg costs its whole slots only, and a slot of the tank is worth all that it may hold, before a
+service and after it. They remember the body they come from, and nothing else. So none collects more
+than is said here, from the last step back to the first::
+
+    best(body, step) = max(end here, best(body, step + 1), gain − toll + best(j, landing)),
+
+over the legs that leave the body in the step, to bodies j other than the one come from.
 """
 
 from __future__ import annotations
@@ -26,11 +29,8 @@ from .legs import Legs
 
 Array = npt.NDArray[Any]
 
-SLOT_SLACK = 1e-9
-"""Rounding guard of slots, in favour of the walk [slots]."""
-
-SHARE = 1.0 / 60.0
-"""Step length as a share of the shortest leg."""
+SLOT_SLACK, SHARE = 1e-9, 1.0 / 60.0
+"""Rounding guard of slots in favour of walks [slots]; step length as a share of the least leg."""
 
 ROOM_BYTES, SHARE_OF_MEMORY, MOST_SLOTS = 1e9, 0.25, 32766
 """Limits of the values [bytes], [1 / free memory] and of slots, which are widened until they fit;
@@ -96,10 +96,10 @@ def completion(
     while slot_m_s < tank and tank / slot_m_s > most:
         slot_m_s *= 2.0
     slots, bits = int(slots_in(tank, slot_m_s)) + 1, int(bodies).bit_length() + 1
-    # Each leg of a walk ends in a later step than it begins in.
+    # Each leg of a walk ends in a later step than it begins in; an eighth of the room is used.
     most_legs = min(last.size + 1, int(np.ptp(last) / legs.shortest) + 2) if last.size else 1
     unit, units, largest = in_units(gain, Fraction(0), most_legs, np.int32, bits)
-    # What costs more than anything is worth may as well cost no more than that.
+    # A toll that is cut off favours the walk.
     paid = np.floor(np.arange(slots + 1) * (slot_m_s * per_m_s * (1.0 - SLOT_SLACK) / float(unit)))
     tolls = np.minimum(paid, largest).astype(np.int64)
     lands = np.searchsorted(last, legs.end - SLACK_S)
@@ -113,11 +113,9 @@ def completion(
         undominated(body, leaves[a:b], destination[a:b], lands[a:b], cost[a:b])
         for body, (a, b) in enumerate(pairwise(legs.first[::bodies]))
     ]
-    back, column = (
-        np.where(terms.is_station, -1, np.arange(bodies)),
-        _columns(legs, slots, slot_m_s),
-    )
-    gains = MoveGains(units, tolls, np.arange(slots + 1), back, cargo.takes, column)
+    back = np.where(terms.is_station, -1, np.arange(bodies))
+    after = _columns(legs, slots, slot_m_s)
+    gains = MoveGains(units, tolls, np.arange(slots + 1), back, cargo.takes, after)
     sweep(parts, gains, bits, table.best, table.second)
     return table
 
@@ -160,7 +158,7 @@ def in_units(
     room = (int(np.iinfo(kind).max) // 8 + 1) >> bits
     unit = Fraction(2.0 ** math.ceil(math.log2(largest * most_legs / room)))
     most = math.ceil(largest / unit)
-    # To a body that takes more than any gives nobody goes who need not.
+    # A loss that is cut off favours the walk.
     return unit, np.array([max(math.ceil(gain / unit), -most) for gain in gains]), most
 
 
@@ -195,17 +193,13 @@ slots."""
 
 
 def undominated(body: int, leaves: Array, destination: Array, lands: Array, cost: Array) -> Moves:
-    """The moves from a body, without those that one of equal cost leaves later to no loss.
-
-    Parameters
-    ----------
-    body : int
-    leaves, destination, lands, cost : (moves,) int
-    """
-    assert np.all(leaves < lands)  # a walk is a path forward in time
+    """Moves from a body, but for those whose time holds another's to the same body at one cost."""
+    if np.any(leaves >= lands):
+        raise ValueError("a leg lands in the step that it leaves in: a walk goes forward in time")
     place = destination.astype(np.int64) * (int(cost.max(initial=0)) + 1) + cost
     order = np.argsort(place * (int(leaves.max(initial=0)) + 1) - leaves, kind="stable")
-    # The latest first. Least landing so far, falling by more than all where a new place begins.
+    # Of each place the latest first, and of these who lands earlier than all before: where another
+    # place begins landings are lowered by more than they differ.
     begins = np.cumsum(np.diff(place[order], prepend=-1) != 0)
     earliest = np.minimum.accumulate(lands[order] - begins * (int(lands.max(initial=0)) + 1))
     order = order[np.diff(earliest, prepend=1) < 0]
@@ -240,7 +234,7 @@ def sweep(parts: Sequence[Moves], gains: MoveGains, bits: int, best: Array, seco
         i, j, lands, cost = (column[some].astype(np.int64) for column in moves)
         if not i.size:
             continue
-        code = ((gains.units[j] - gains.tolls[cost] << bits) + j).astype(best.dtype)[:, None]
+        code = (((gains.units[j] - gains.tolls[cost]) << bits) + j).astype(best.dtype)[:, None]
         back = gains.back[i].astype(best.dtype)[:, None]
         own, start, group = np.unique(i, return_index=True, return_inverse=True)
         pieces = np.array_split(np.arange(1, width), 1 + i.size * width // BLOCK)
