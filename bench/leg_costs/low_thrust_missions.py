@@ -168,23 +168,37 @@ def single(rng: np.random.Generator, eccentricity: float) -> Instance:
     )
 
 
-def thrust_flown(legs: int = 30, eccentricities: tuple[float, ...] = (0.0, 0.005)) -> None:
+def thrust_flown(
+    legs: int = 30,
+    eccentricities: tuple[float, ...] = (0.0, 0.005),
+    burns: str = "sequence",
+    seed: int = 21,
+) -> None:
     """The closed form against integrated legs, their misses, and the time taken.
 
     Missions of one leg are drawn: orbits 650 to 950 km high, up to 60 km, 0.2° and 6° of node apart
     at the end, with 20 to 60 days and an acceleration of 1 to 5 · 10⁻⁴ m/s², between circles and
     with eccentricities. Each leg is planned, refined under J2, and flown by the second integrator.
     A negative error is a leg that the closed form has cheaper than it is. Times are processor time.
+    ``--burns free`` has the price in which eccentricities change with the size.
     """
     head(
         *("eccentricity up to", "legs", "missing", "flown", "closed form", "mean absolute error"),
-        *("range", "worst stand-off", "worst arrival", "thrust in the shadow", "refined in"),
+        *(
+            "within 10 %",
+            "range",
+            "worst stand-off",
+            "worst arrival",
+            "thrust in the shadow",
+            "refined in",
+        ),
     )
     for eccentricity in eccentricities:
-        rng, flown, planned = np.random.default_rng(21), list[Any](), list[float]()
+        rng, flown, planned = np.random.default_rng(seed), list[Any](), list[float]()
         missing, taken = 0, 0.0
         while len(planned) + missing < legs:
             instance = single(rng, eccentricity)
+            instance = instance.replace(transfer=instance.transfer.replace(burns=burns))
             plan = adr_opt.solve(instance, method="greedy-guarded").plan
             if not plan.legs:
                 continue
@@ -209,6 +223,7 @@ def thrust_flown(legs: int = 30, eccentricities: tuple[float, ...] = (0.0, 0.005
             f"{burnt.sum():.0f} m/s",
             f"{sum(planned) / burnt.sum() - 1.0:+.1%}",
             f"{np.abs(off).mean():.1%}",
+            f"{np.mean(np.abs(off) <= 0.1):.0%}",
             f"{off.min():+.1%} to {off.max():+.1%}",
             *("{:.2g} m, {:.2g} m/s".format(*np.max(each, axis=0)) for each in misses),
             f"{max(leg.shadow_s or 0.0 for leg in flown):.2g} s",

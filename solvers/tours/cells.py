@@ -19,8 +19,9 @@ Cauchy's inequality, once for (Mᵀw, s₁) and (b₁, E), once for (w, s₂) an
     √(|b₁|² + E²) + √(|b₂|² + E²)  ≥  w·M b₁ + w·b₂ + (s₁ + s₂) E  =  w·v + (s₁ + s₂) E .
 
 |Mᵀw|² is convex in the time of flight and largest at an end: the conditions are asked for T and for
-0. E is taken at its least over the cell. That the leg meets its target after whole laps only adds
-to its cost. A leg costs C or more, or no less than the bound for C: the best C is sought.
+0. E is taken at its least over the cell, and as 0 where burns are free. That the leg meets its
+target after whole laps only adds to its cost. A leg costs C or more, or no less than the bound for
+C: the best C is sought.
 
 Short legs turn their plane at once, at a speed of no less than that at the apogee of an ellipse
 from the lower body to the highest phasing radius, after at most :data:`SHORT_S` of phasing.
@@ -169,15 +170,18 @@ def _drifts(pair, node, longest, shape, cost):
     beside += worth * unit * max(faster, of_target) * abs(linear.tilt) / linear.speed
     side = 1.0 if node >= 0.0 else -1.0
     left = abs(node) - ends * beside
-    found = math.sqrt(pair.climb**2 + linear.tilt**2 + 4.0 * shape * shape)
+    square, asked = pair.climb**2, 4.0 * shape * shape
+    # Where burns are free those that change the size change the eccentricity as well.
+    square = max(square, asked) if pair.free else square + asked
+    found = math.sqrt(square + linear.tilt**2)
     if left <= 0.0:
         return found
-    least = math.inf
+    least, apart = math.inf, 0.0 if pair.free else shape
     m_helps = side * m * longest if pair.node_rate_i >= 0.0 else -side * m * longest
     for number in range(4):
         by_size = m_helps if number % 2 else 0.0
         by_tilt = -side * q * longest if number > 1 else 0.0
-        bound = _dual(left, pair.climb, linear.tilt, by_size, by_tilt, shape)
+        bound = _dual(left, pair.climb, linear.tilt, by_size, by_tilt, apart)
         least = min(least, bound)
     return max(found, least)
 

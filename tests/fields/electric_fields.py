@@ -7,6 +7,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from random_rules import freely
 
 import adr_opt
 from adr_opt.common.constants import DAY_S
@@ -31,6 +32,7 @@ def electric(
     kits: bool = False,
     tows: bool = False,
     resolution_m_s: float = 0.5,
+    free: bool = False,
 ) -> Instance:
     """A mission of some months in which not everything can be done."""
     rng = np.random.default_rng(seed)
@@ -74,7 +76,8 @@ def electric(
         "departure_spacing_s": DAY_S,
         "delta_v_resolution_m_s": resolution_m_s,
     }
-    return adr_opt.problem.instance.instance_of(content)
+    made = adr_opt.problem.instance.instance_of(content)
+    return freely(made, seed) if free else made
 
 
 @kernel

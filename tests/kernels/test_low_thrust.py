@@ -17,7 +17,8 @@ from adr_opt.judge.check.low_thrust_optimum import low_thrust_cost
 from adr_opt.judge.check.low_thrust_windows import shadow_of, steered_in, windows_of, with_shape
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.legs import drift_pair, low_thrust, low_thrust_split, low_thrust_windows
-from adr_opt.kernels.legs.drift_free import LEVEL, with_bowl
+from adr_opt.kernels.legs.co_elliptic import TransferRule
+from adr_opt.kernels.legs.drift_free import LEVEL
 from adr_opt.kernels.legs.low_thrust_arcs import Thrust, weighted
 from adr_opt.kernels.orbits import columns, sunlight
 from adr_opt.problem.drives import since_j2000_s
@@ -25,6 +26,10 @@ from adr_opt.problem.drives import since_j2000_s
 RULE = oblate_rule()
 EXHAUST_M_S = 1500.0 * STANDARD_GRAVITY_M_S2
 EVERYWHERE = 0.5 * math.pi
+
+both_rules = pytest.mark.parametrize(
+    "rule", [RULE, RULE._replace(free=True)], ids=["sequence", "free"]
+)
 
 DEARER = 1.1
 """How much dearer a leg may be than with the best of some more laps."""
@@ -49,8 +54,12 @@ def drawn(rng: np.random.Generator) -> tuple[FloatArray, FloatArray, float, floa
     )
 
 
-@over_kinds("seeds", drawn=(range(400), 33))
-def test_the_judge_finds_the_same_optimum(seeds: range):
+@over_kinds(
+    "rule, seeds",
+    drawn=(RULE, range(400), 33),
+    freely=(RULE._replace(free=True), range(400, 600), 17),
+)
+def test_the_judge_finds_the_same_optimum(rule: TransferRule, seeds: range):
     """Newton steps and golden sections agree on what legs cost, and on which there are."""
     same = compared = 0
     for seed in seeds:
@@ -58,12 +67,12 @@ def test_the_judge_finds_the_same_optimum(seeds: range):
         one, other, departure, span = drawn(rng)
         since = rng.uniform(-1e9, 1e9)
         thrust = Thrust(10 ** rng.uniform(-4.0, -3.0), EXHAUST_M_S)
-        pair = low_thrust_windows.prepare(one, other, RULE, since, 0.0)
+        pair = low_thrust_windows.prepare(one, other, rule, since, 0.0)
         cost = low_thrust.delta_v(pair, thrust, departure, departure + span)
         left = np.append(one, one[columns.RAAN_RATE])
         expected = low_thrust_cost(
             (left, other),
-            RULE,
+            rule,
             since,
             (thrust.acceleration, thrust.exhaust),
             departure,
@@ -92,7 +101,8 @@ def bound_and_costs(pair, lightest, heavier, departure, arrival):
     return least, costs
 
 
-def test_bounds_hold_for_all_masses():
+@both_rules
+def test_bounds_hold_for_all_masses(rule: TransferRule):
     """Legs of heavier chasers cost no less than their lower bound, in sunlight or not.
 
     Of tens of thousands of legs a few do, by some per cent (docs/model.md section 11.4): here one.
@@ -102,7 +112,7 @@ def test_bounds_hold_for_all_masses():
     for _ in range(3000):
         one, other, departure, span = drawn(rng)
         since = float(rng.choice([math.nan, rng.uniform(-1e9, 1e9)]))
-        pair = low_thrust_windows.prepare(one, other, RULE, since, 0.0)
+        pair = low_thrust_windows.prepare(one, other, rule, since, 0.0)
         push = 10 ** rng.uniform(-4.3, -3.0)
         heavier = push / np.linspace(1.0, rng.uniform(1.0, 2.0), 5)
         bound, costs = bound_and_costs(
@@ -194,32 +204,33 @@ def test_shadows_are_the_judges():
 
 @kernel
 def bowls(pair, departure, arrival, window, climbs):
-    """ΔV of 100 m/s with what eccentricities ask for, for changes of speed by the first arc."""
+    """ΔV of 400 m/s with what eccentricities ask for, for changes of speed by the first arc."""
     task = drift_pair.task_of(pair.drift, departure, arrival, 0.0)
     at = low_thrust_windows.places(pair, task, departure, arrival)
-    bowl = low_thrust_windows.steering(at, window).bowl
-    return [with_bowl(100.0, bowl, climb) for climb in climbs]
+    steers = low_thrust_windows.steering(at, window)
+    return [low_thrust_windows.shaped(pair.drift, steers, 400.0, climb) for climb in climbs]
 
 
-def test_eccentricities_ask_for_what_the_judge_finds():
-    """The parabola in the first arc's change of speed is that of the judge's vectors."""
+@both_rules
+def test_eccentricities_ask_for_what_the_judge_finds(rule: TransferRule):
+    """What they add, by the first arc's change of speed, is that of the judge's vectors."""
     rng = np.random.default_rng(6)
     far = 0
     for _ in range(1000):
         one, other, departure, span = drawn(rng)
         arrival, since = departure + span, rng.uniform(-1e9, 1e9)
-        pair = low_thrust_windows.prepare(one, other, RULE, since, 0.0)
+        pair = low_thrust_windows.prepare(one, other, rule, since, 0.0)
         ends = np.append(one, one[columns.RAAN_RATE]), other
-        leg = ends_of(*ends, RULE, departure, arrival)
+        leg = ends_of(*ends, rule, departure, arrival)
         shadows, rates = shadows_of(ends, leg, since, departure, arrival)
         places, part = places_of(leg, rates, (RULE.min_radius, RULE.max_radius))
         window = float(rng.choice(low_thrust_windows.WINDOWS_RAD))
         _, _, shape = steered_in(window, leg, places, part, shadows)
         climbs = rng.uniform(-100.0, 100.0, 3)
         found = bowls(pair, departure, arrival, window, climbs)
-        expected = [with_shape(100.0, shape, climb, pair.drift.climb - climb) for climb in climbs]
+        expected = [with_shape(400.0, shape, climb, pair.drift.climb - climb) for climb in climbs]
         assert found == pytest.approx(expected, rel=1e-6)
-        far += found[0] > 110.0
+        far += found[0] > 401.0
     assert far > 300
 
 

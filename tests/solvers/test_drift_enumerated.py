@@ -6,7 +6,7 @@ import math
 
 import pytest
 from brute_force import brute_force
-from random_rules import weeks_mission
+from random_rules import freely, weeks_mission
 
 import adr_opt
 from adr_opt.common.constants import DAY_S
@@ -15,12 +15,14 @@ from adr_opt.mission.mission import Mission
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("is_free", [False, True])
 @pytest.mark.parametrize("seeds", [range(50), range(50, 100)])
-def test_proofs_of_weeks_end_at_the_optimum(seeds: range) -> None:
+def test_proofs_of_weeks_end_at_the_optimum(seeds: range, is_free: bool) -> None:
     """`exact` proves the best plan of enumeration, `check` and `verify` agree, and legs drift."""
     drifting = 0
     for seed in seeds:
-        mission = Mission(weeks_mission(seed))
+        instance = weeks_mission(seed)
+        mission = Mission(freely(instance, seed) if is_free else instance)
         prizes, _, _ = brute_force(mission)
         result = adr_opt.solve(mission, "exact", time_limit=60.0)
         if not math.isfinite(prizes):

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from random_rules import freely
 from tour_fields import APART, MOST, STAY, STEP_S, launched
 
 import adr_opt
@@ -267,10 +268,14 @@ def test_what_cannot_be_done_in_time_has_no_plan() -> None:
     assert any("no tour" in note for note in result.notes)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(8))
 def test_no_connection_of_a_cell_is_cheaper_than_its_bound(seed: int) -> None:
-    """Short legs and drifts that arrive anywhere in a cell cost at least its bound."""
+    """Short legs and drifts that arrive anywhere in a cell cost at least its bound.
+
+    The last ones by free burns between eccentric orbits.
+    """
     instance = launched(300 + seed, 4, steps=16)
+    instance = freely(instance, seed) if seed > 5 else instance
     connecting, random = ConnectionFinder(instance), np.random.default_rng(seed)
     ends, near, looked = connecting.ends, 0, 0
     for i, j in itertools.permutations(range(instance.first_target, len(instance.names)), 2):

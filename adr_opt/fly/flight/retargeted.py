@@ -122,7 +122,7 @@ class Aim:
         self._decays = instance.decay_of(leg.origin), instance.decay_of(leg.destination)
         self._instance, self._lead_in = instance, lead_in
         self._angles = planned_angles(instance, leg, lead_in)
-        self._is_free = instance.transfer.burns == "free" and not leg.traits.on_time_grid
+        self._is_free = instance.transfer.burns == "free"
 
     def delta_v_m_s(self) -> float:
         """ΔV of retargeted burns, or of free ones where legs have their price; tows excluded [m/s].

@@ -72,8 +72,11 @@ def laps_of(ends: Ends, radius: float) -> float:
 
 
 @kernel
-def cost_with(ends: Ends, radius: float, tilt: float) -> float:
-    """ΔV with a drift orbit of a radius [m] and an excess inclination, given in [m/s]."""
+def parts_with(ends: Ends, radius: float, tilt: float) -> tuple[float, float, float, float, float]:
+    """What a drift orbit of a radius [m] and an excess inclination, given in [m/s], leaves to do.
+
+    The node, and in and across the plane at either end [m/s].
+    """
     arcs, turned = arcs_of(ends, radius), tilt / ends.speed
     after = ends.inclination_i + turned
     inclinations = (
@@ -90,14 +93,43 @@ def cost_with(ends: Ends, radius: float, tilt: float) -> float:
     climb = math.sqrt(MU_M3_S2 / ends.radius_i) - speed
     rest = speed - math.sqrt(MU_M3_S2 / ends.radius_j)
     left = ends.speed * (ends.inclination_j - ends.inclination_i) - tilt
-    first = math.sqrt(climb**2 + tilt**2 + ends.shape**2)
-    second = math.sqrt(rest**2 + left**2 + ends.shape**2)
-    return math.hypot(ends.speed * ends.sine * node, first + second)
+    if ends.free:
+        lacking = max(0.0, 2.0 * ends.shape - abs(climb) - abs(rest))
+        one, other = abs(climb) + 0.5 * lacking, abs(rest) + 0.5 * lacking
+    else:
+        one, other = math.hypot(climb, ends.shape), math.hypot(rest, ends.shape)
+    return ends.speed * ends.sine * node, one, other, tilt, left
 
 
 @kernel
-def least_tilted(ends: Ends, radius: float) -> float:
-    """Least ΔV for a radius of the drift orbit, by golden section over the inclination [m/s].
+def cost_with(ends: Ends, radius: float, tilt: float) -> float:
+    """ΔV to be least, with a drift orbit of a radius [m] and an excess inclination [m/s]."""
+    node, one, other, tilt, left = parts_with(ends, radius, tilt)
+    return math.hypot(node, math.hypot(one, tilt) + math.hypot(other, left))
+
+
+@kernel
+def price_with(ends: Ends, radius: float, tilt: float) -> float:
+    """ΔV that is charged: by free burns with what Δe across the line of the turn asks for."""
+    node, one, other, tilt, left = parts_with(ends, radius, tilt)
+    whole = cost_with(ends, radius, tilt)
+    if not ends.free or ends.shape == 0.0:
+        return float(whole)
+    place = math.atan2(node, tilt + left)
+    x = ends.eccentricities.j[0] - ends.eccentricities.i[0]
+    y = ends.eccentricities.j[1] - ends.eccentricities.i[1]
+    across = abs(y * math.cos(place) - x * math.sin(place)) * ends.speed
+    turn = math.sqrt(max(whole**2 - (one + other) ** 2, 0.0))
+    shared = math.hypot(across, turn)
+    if across > turn / math.sqrt(3.0):
+        shared = math.sin(math.pi / 6.0) * across + math.cos(math.pi / 6.0) * turn
+    ridden = shared**2 - (0.5 * across) ** 2 - turn**2
+    return math.sqrt(whole**2 + 0.5 * across / (one + other) * ridden)
+
+
+@kernel
+def least_tilted(ends: Ends, radius: float) -> tuple[float, float]:
+    """Least ΔV for a radius of the drift orbit and its inclination, by golden section [m/s].
 
     Between the neighbours of the best of some inclinations.
     """
@@ -110,7 +142,7 @@ def least_tilted(ends: Ends, radius: float) -> float:
     low, high = low + (best - 1) * step, low + (best + 1) * step
     one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     at_one, at_other = cost_with(ends, radius, one), cost_with(ends, radius, other)
-    while high - low > 1e-4:
+    while high - low > (1e-6 if ends.free else 1e-4):
         if at_one < at_other:
             high, other, at_other = other, one, at_one
             one = high - GOLDEN * (high - low)
@@ -119,7 +151,7 @@ def least_tilted(ends: Ends, radius: float) -> float:
             low, one, at_one = one, other, at_other
             other = low + GOLDEN * (high - low)
             at_other = cost_with(ends, radius, other)
-    return float(min(at_one, at_other))
+    return float(min(at_one, at_other)), 0.5 * (low + high)
 
 
 @kernel
@@ -130,21 +162,41 @@ def least_of_all(ends: Ends, low: float, high: float) -> float:
     """
     step, best = (high - low) / RADII, 0
     for number in range(1, RADII + 1):
-        if least_tilted(ends, low + number * step) < least_tilted(ends, low + best * step):
+        if least_tilted(ends, low + number * step)[0] < least_tilted(ends, low + best * step)[0]:
             best = number
     low, high = max(low, low + (best - 1) * step), min(high, low + (best + 1) * step)
     one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    at_one, at_other = least_tilted(ends, one), least_tilted(ends, other)
+    at_one, at_other = least_tilted(ends, one)[0], least_tilted(ends, other)[0]
     while high - low > 0.1:
         if at_one < at_other:
             high, other, at_other = other, one, at_one
             one = high - GOLDEN * (high - low)
-            at_one = least_tilted(ends, one)
+            at_one = least_tilted(ends, one)[0]
         else:
             low, one, at_one = one, other, at_other
             other = low + GOLDEN * (high - low)
-            at_other = least_tilted(ends, other)
+            at_other = least_tilted(ends, other)[0]
     return 0.5 * (low + high)
+
+
+@kernel
+def freest(ends: Ends, low: float, high: float) -> float:
+    """The same where eccentricities cost nothing beside changes of size as well [m].
+
+    Those drift orbits are looked at apart: they may be few, and where inclinations move the node
+    for months there is more than one valley.
+    """
+    best = least_of_all(ends, low, high)
+    first, second = math.sqrt(MU_M3_S2 / ends.radius_i), math.sqrt(MU_M3_S2 / ends.radius_j)
+    if not ends.free or abs(first - second) >= 2.0 * ends.shape:
+        return float(best)
+    middle = 0.5 * (first + second)
+    inner = MU_M3_S2 / (middle + ends.shape) ** 2
+    outer = MU_M3_S2 / (middle - ends.shape) ** 2
+    if outer <= low or inner >= high:
+        return float(best)
+    other = least_of_all(ends, max(inner, low), min(outer, high))
+    return float(other if least_tilted(ends, other)[0] < least_tilted(ends, best)[0] else best)
 
 
 @kernel
@@ -164,8 +216,8 @@ def least_with_laps(ends: Ends, low: float, high: float) -> float:
     """
     if arcs_of(ends, high)[1, 1] <= 0.0 and arcs_of(ends, low)[1, 1] <= 0.0:
         return math.inf
-    least = math.inf
-    about = math.floor(laps_of(ends, least_of_all(ends, low, high)))
+    least = price = math.inf
+    about = math.floor(laps_of(ends, freest(ends, low, high)))
     for laps in (about, about + 1):
         if not laps_of(ends, high) <= laps <= laps_of(ends, low):
             continue
@@ -177,8 +229,10 @@ def least_with_laps(ends: Ends, low: float, high: float) -> float:
             else:
                 above = middle
         if arcs_of(ends, below)[1, 1] > 0.0:
-            least = min(least, least_tilted(ends, below))
-    return least
+            found, tilt = least_tilted(ends, below)
+            if found < least:
+                least, price = found, price_with(ends, below, tilt)
+    return price
 
 
 def drift_cost(
@@ -199,13 +253,16 @@ def drift_cost(
         [s].
     """
     ends = ends_of(origin, destination, rule, departure, arrival)
-    whole = float(least_with_laps(ends, rule.min_radius, rule.max_radius))
+    limits = rule.min_radius, rule.max_radius
+    if rule.free:  # of the apsides of an orbit half way between both eccentricity vectors
+        sizes = [math.hypot(*ends.eccentricities.i), math.hypot(*ends.eccentricities.j)]
+        low = limits[0] / (1.0 - 0.5 * sum(sizes))
+        limits = low, max(low, limits[1] / (1.0 + 0.5 * sum(sizes)))
+    whole = float(least_with_laps(ends, *limits))
     if ends.shape == 0.0:
         return whole, 0.0
     circles = ends._replace(shape=0.0)
-    return whole, max(
-        0.0, whole - float(least_with_laps(circles, rule.min_radius, rule.max_radius))
-    )
+    return whole, max(0.0, whole - float(least_with_laps(circles, *limits)))
 
 
 def check_drift(

@@ -57,6 +57,8 @@ class Ends(NamedTuple):
     fraction, oblateness : float
         f; J2 R² [m²].
     eccentricities : Eccentricities
+    free : bool
+        Whether the leg has the price of free burns.
     """
 
     radius_i: float
@@ -75,6 +77,7 @@ class Ends(NamedTuple):
     fraction: float
     oblateness: float
     eccentricities: Eccentricities
+    free: bool
 
 
 def ends_of(
@@ -143,6 +146,7 @@ def ends_of(
                 float(ephemeris.perigee_rate_at(destination, arrival)),
             ),
         ),
+        rule.free,
     )
 
 

@@ -21,6 +21,9 @@ FloatArray = npt.NDArray[np.float64]
 
 Vector = tuple[float, float]
 
+PIECES = 2000
+"""Number of pieces of a window for a mean over it."""
+
 
 class Shape(NamedTuple):
     """What arcs have to do besides for the eccentricity vector.
@@ -33,11 +36,14 @@ class Shape(NamedTuple):
         By each m/s of speed that either arc takes off.
     room : ((float, float), (float, float))
         S.
+    power : float
+        Of the norm in which that and changes of size add up.
     """
 
     still: Vector
     pumped: tuple[Vector, Vector]
     room: tuple[Vector, Vector]
+    power: float
 
 
 def sun_at(since_j2000: float) -> FloatArray:
@@ -158,11 +164,17 @@ def steered_in(
     begun = _turned((drifting - given.rates[0]) * leg.span) @ given.i
     still = leg.speed * (np.array(given.j) - begun)
     turn = part * ways[0].turn + (1.0 - part) * ways[1].turn
+    power = 2.0
+    if leg.free:
+        middles = (np.arange(PIECES) + 0.5) * (window / PIECES)
+        longest = np.hypot(2.0 * np.cos(middles), np.sin(middles)).mean()
+        room, power = room * longest**2 / 2.5, math.pi / window
     (a, b), (c, d) = room
     shape = Shape(
         (float(still[0]), float(still[1])),
         ((pumped[0][0], pumped[0][1]), (pumped[1][0], pumped[1][1])),
         ((float(a), float(b)), (float(c), float(d))),
+        power,
     )
     return turn, (ways[0].share, ways[1].share), shape
 
@@ -180,4 +192,8 @@ def with_shape(form: float, shape: Shape, first: float, second: float) -> float:
     y = shape.still[1] - y_1 * first - y_2 * second
     (xx, xy), (yx, yy) = shape.room
     square = (yy * x * x - (xy + yx) * x * y + xx * y * y) / (xx * yy - xy * yx)
-    return math.sqrt(form * form + square)
+    if shape.power == 2.0:
+        return math.sqrt(form * form + square)
+    size = abs(first) + abs(second)
+    together = (size**shape.power + square ** (0.5 * shape.power)) ** (1.0 / shape.power)
+    return math.sqrt(max(form * form - size * size, 0.0) + together * together)

@@ -22,6 +22,8 @@ the co-elliptic orbit, and to the stand-off), T_c = T − t_1 − t_2 − t_3 �
 which leaves radii r_k a comb apart. The leg takes the cheaper of the two teeth about the optimum of
 free phase. Teeth are half a lap away at most, which is 90 m/s for a leg of a day and 1 m/s for one
 of three months.
+
+Legs by free burns have the price of :mod:`.drift_shape` instead.
 """
 
 import math
@@ -35,6 +37,7 @@ from . import drift_pair
 from .drift_arcs import NodeSeries, coast, moved
 from .drift_free import first_guess, free_phase
 from .drift_pair import climb_to, radius_of
+from .drift_shape import CLOSER_M_S, directed, in_plane
 
 MOST_STEPS = 40
 """Maximum number of Newton steps."""
@@ -52,6 +55,10 @@ TIP_M_S = 1e-6
 NEARER, FAR = 0.25, 8.0
 """A tooth is accepted without examining the next if the optimum is within this share of the way to
 it and N₁ and N₂ are this many times as large as that way: costs are then nearly a parabola."""
+
+
+SURE_M_S = 3.0
+"""Largest error of the optimum of free phase by free burns [m/s]."""
 
 
 class Split(NamedTuple):
@@ -113,7 +120,7 @@ def node_series(pair, task, arcs):
 
 
 @inlined
-def tilt_at(pair, shape, series, climb, tilt, close):
+def tilt_at(pair, flat, series, climb, tilt, close):
     """The best z for a given drift orbit, near a given z, and the resulting split.
 
     Minimises (X² + (N₁ + N₂)²) / 2, which is convex but for the curvature of a cosine: Newton
@@ -124,8 +131,8 @@ def tilt_at(pair, shape, series, climb, tilt, close):
     Parameters
     ----------
     pair : DriftPair
-    shape : float
-        E [m/s].
+    flat : (float, float)
+        Squares of N₁ and N₂ without a change of inclination [m²/s²].
     series : NodeSeries
     climb, tilt : float
         [m/s].
@@ -135,8 +142,7 @@ def tilt_at(pair, shape, series, climb, tilt, close):
     linear = pair.linear
     per_speed = 1.0 / linear.speed
     worth = linear.speed * linear.sine
-    rest = pair.climb - climb
-    flat_1, flat_2 = climb * climb + shape * shape, rest * rest + shape * shape
+    flat_1, flat_2 = flat
     p0, p1, p2, p3, p4, p5 = series
     low, high, before = -math.inf, math.inf, math.inf
     node = first = second = 0.0
@@ -190,6 +196,8 @@ def split(pair, task, free):
     -------
     Split
     """
+    if pair.free:
+        return free_split(pair, task, free)
     best = Split(math.inf, free.climb, free.tilt, 0.0)
     radius = radius_of(pair, free.climb)
     arcs = coast(pair, task.span, radius)
@@ -207,12 +215,68 @@ def split(pair, task, free):
         away = climb - free.climb
         tilt = free.tilt + free.follow * away if FAR * abs(away) < free.room else free.tilt
         series = node_series(pair, task, there)
-        way = tilt_at(pair, task.shape, series, climb, tilt, CLOSE_M_S)
+        flat = in_plane(pair, task.shape, climb)
+        way = tilt_at(pair, flat, series, climb, tilt, CLOSE_M_S)
         if way.delta_v < best.delta_v:
             best = way
         if abs(laps - nearer) < NEARER and FAR * (1.0 - NEARER) / NEARER * abs(away) < free.room:
             break
     return best
+
+
+@inlined
+def free_split(pair, task, free):
+    """The tooth of least M, with the price of free burns (:mod:`.drift_shape`).
+
+    M is convex but for the curvature of rates: of the teeth about the optimum of free phase the
+    better one is best of all, and where one is as near as the error of that optimum, others are
+    gone through as long as M falls.
+    """
+    best = Split(math.inf, free.climb, free.tilt, 0.0)
+    radius = radius_of(pair, free.climb)
+    arcs = coast(pair, task.span, radius)
+    if arcs.drift <= 0.0:
+        return best
+    laps = (arcs.phase - task.ahead) / TURN_RAD
+    nearer = chosen = float(math.floor(laps + 0.5))
+    side = 1.0 if laps > nearer else -1.0
+    number, turned, is_sure = nearer, False, False
+    while True:
+        way = tried(pair, task, radius, arcs, number, best.tilt, CLOSE_M_S)
+        away = abs(way.climb - free.climb)
+        is_better = way.delta_v < best.delta_v
+        if is_better:
+            best, chosen = way, number
+        if number == nearer:
+            room = FAR * (1.0 - NEARER) / NEARER * away
+            if is_better and abs(laps - nearer) < NEARER and room < free.room:
+                break
+            is_sure = away > SURE_M_S
+        elif not is_better or away > SURE_M_S:
+            # What lies beyond costs more: on with the other side, once.
+            if turned or is_sure or chosen != nearer:
+                break
+            turned, side, number = True, -side, nearer
+        number += side
+    if best.delta_v == math.inf:
+        return best
+    # The price is not what is least there: it takes a more exact optimum.
+    radius = radius_of(pair, best.climb)
+    arcs = coast(pair, task.span, radius)
+    way = tried(pair, task, radius, arcs, chosen, best.tilt, CLOSER_M_S)
+    return Split(directed(pair, task, way), way.climb, way.tilt, way.along)
+
+
+@inlined
+def tried(pair, task, radius, arcs, laps, tilt, close):
+    """The split with a tooth near a radius with known arcs; infinite ΔV outside the limits."""
+    found, there = tooth(pair, task, radius, arcs, laps)
+    least, most = radius_of(pair, pair.least_climb), radius_of(pair, pair.most_climb)
+    if not (least <= found <= most) or there.drift <= 0.0:
+        return Split(math.inf, math.inf, tilt, 0.0)
+    climb = climb_to(pair, found)
+    flat = in_plane(pair, task.shape, climb)
+    return tilt_at(pair, flat, node_series(pair, task, there), climb, tilt, close)
 
 
 @kernel

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from ...common.constants import MU_M3_S2
 from ..core.compile import inlined
 from . import drift_linear
+from .drift_shape import in_plane
 
 MOST_STEPS = 40
 """Maximum number of Newton steps."""
@@ -22,6 +23,13 @@ TIP_ROOM_M_S = 3.0
 
 CLOSE_M_S, TINY_M_S = 0.002, 1e-9
 """Last steps that are accepted anywhere, and that count as none [m/s]."""
+
+MATCHING, MOST_TILTS = 6, 12
+"""Numbers of steps to the optimum by free burns, and most Newton steps in each."""
+
+SAMPLES, BENT_S = 8, 8.0 * 86400.0
+"""Number of b_y beside each other that are tried, and from which T on: then changes of inclination
+move the node so far that M has several valleys."""
 
 GAIN_M_S = 5e-3
 """Largest gain of the last step: where the function is flat, a long step may gain much [m/s]."""
@@ -127,7 +135,103 @@ def free_phase(pair, task, climb, tilt):
     known = task.lag + pair.node_rate_i * (task.span - 0.5 * half)
     known -= pair.node_rate_j * (half * (0.5 + pair.fraction) + pair.approach)
     rest = Rest(known, 0.0, 0.0, drifting)
+    if pair.free:
+        circles = least_turns(pair, task.span, 0.0, LEVEL, rest, climb, tilt)
+        return matched(pair, task.span, task.shape, rest, circles)
     return least_turns(pair, task.span, task.shape, LEVEL, rest, climb, tilt)
+
+
+@inlined
+def node_of(pair, rest_of_node, climb, tilt):
+    """X of b_y and b_z [m/s], and its derivatives by both."""
+    linear, speed = pair.linear, pair.speed_i - climb
+    worth, axis = linear.speed * linear.sine, speed * speed * (1.0 / MU_M3_S2)
+    pull = -1.5 * pair.oblateness * axis * axis * axis * speed * rest_of_node.drifting
+    inclination = pair.inclination_i + tilt / linear.speed
+    gone, slope = pull * math.cos(inclination), pull * math.sin(inclination)
+    node = worth * (rest_of_node.known - gone)
+    return node, worth * 7.0 * gone / speed, worth * slope / linear.speed
+
+
+@inlined
+def tilted(pair, shape, rest_of_node, climb, tilt):
+    """Optimum b_z of M (:mod:`.drift_shape`) for a b_y, X there, and M [m/s]."""
+    first, second = in_plane(pair, shape, climb)
+    first, second = first + SMOOTH_M_S * SMOOTH_M_S, second + SMOOTH_M_S * SMOOTH_M_S
+    node = value = 0.0
+    for _ in range(MOST_TILTS):
+        node, _, slope = node_of(pair, rest_of_node, climb, tilt)
+        left = pair.linear.tilt - tilt
+        one, other = math.sqrt(first + tilt * tilt), math.sqrt(second + left * left)
+        turn, inner = one + other, tilt / one - left / other
+        value = math.sqrt(node * node + turn * turn)
+        bent = first / (one * one * one) + second / (other * other * other)
+        step = node * slope + turn * inner
+        step /= slope * slope + inner * inner + turn * bent
+        tilt -= step
+        if abs(step) < CLOSE_M_S:
+            break
+    return tilt, node, value
+
+
+@inlined
+def matched(pair, span, shape, rest_of_node, circles):
+    """Optimum of M (:mod:`.drift_shape`) from the one between circles.
+
+    They are the same where that changes speeds by as much as eccentricities ask for. Else all b_y
+    that do cost the same in the plane, and the node alone chooses: none of it is left, or b_y is
+    the last of them.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    span, shape : float
+        T [s] and E [m/s].
+    rest_of_node : Rest
+    circles : Free
+    """
+    climb, tilt = circles.climb, circles.tilt
+    if abs(climb) + abs(pair.climb - climb) >= 2.0 * shape:
+        return circles
+    before, slope, _ = node_of(pair, rest_of_node, climb, tilt)
+    there = 0.5 * pair.climb - math.copysign(shape, before * slope)
+    there = min(max(there, pair.least_climb), pair.most_climb)
+    tilt, node, least = tilted(pair, shape, rest_of_node, there, tilt)
+    for _ in range(MATCHING if node * before < 0.0 else 0):
+        # Between both the node vanishes: false position, the end that stays counting half.
+        between = there - node * (there - climb) / (node - before)
+        tilt, new, least = tilted(pair, shape, rest_of_node, between, tilt)
+        if new * node < 0.0:
+            climb, before = there, node
+        else:
+            before *= 0.5
+        there, node = between, new
+    if span > BENT_S:
+        there, tilt, least = searched(pair, shape, rest_of_node, there, tilt, least)
+    return Free(there, tilt, least, 0.0, 0.0)
+
+
+@inlined
+def searched(pair, shape, rest_of_node, climb, tilt, least):
+    """A lower M among all b_y of no cost in the plane: of samples, and in ever smaller steps."""
+    low = max(0.5 * pair.climb - shape, pair.least_climb)
+    high = min(0.5 * pair.climb + shape, pair.most_climb)
+    step = (high - low) / SAMPLES
+    for number in range(SAMPLES + 1):
+        place = low + number * step
+        turned, _, value = tilted(pair, shape, rest_of_node, place, tilt)
+        if value < least:
+            climb, tilt, least = place, turned, value
+    for _ in range(MATCHING):
+        step *= 0.5
+        below, above = max(climb - step, low), min(climb + step, high)
+        one, _, value = tilted(pair, shape, rest_of_node, below, tilt)
+        other, _, more = tilted(pair, shape, rest_of_node, above, tilt)
+        if value < least and value <= more:
+            climb, tilt, least = below, one, value
+        elif more < least:
+            climb, tilt, least = above, other, more
+    return climb, tilt, least
 
 
 @inlined

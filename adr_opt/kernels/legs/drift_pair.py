@@ -43,6 +43,10 @@ class DriftPair(NamedTuple):
         f: share of r_j − r that is closed on the way to the co-elliptic orbit.
     oblateness : float
         J2 R² [m²].
+    free : bool
+        Whether a leg has the price of free burns (:mod:`.drift_shape`).
+    perigee_i, perigee_rate_i : float
+        ω_i at t = 0 [rad], and its rate [rad/s].
     """
 
     linear: LinearPair
@@ -68,6 +72,9 @@ class DriftPair(NamedTuple):
     oblateness: float
     acceleration_i: float
     acceleration_j: float
+    free: bool
+    perigee_i: float
+    perigee_rate_i: float
 
 
 class Task(NamedTuple):
@@ -83,12 +90,15 @@ class Task(NamedTuple):
         λ_j(t_f − approach) − lead − λ_i(t_s) [rad].
     shape : float
         E [m/s].
+    arrival : float
+        t_f [s].
     """
 
     span: float
     lag: float
     ahead: float
     shape: float
+    arrival: float
 
 
 @kernel
@@ -108,9 +118,20 @@ def prepare(orbit_i, orbit_j, rule, time):
     -------
     DriftPair
     """
-    linear = drift_linear.prepare(
-        orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness, time
-    )
+    low, high = rule.min_radius, rule.max_radius
+    if rule.free:
+        # Apsides of the drift orbit, whose eccentricity vector is half way (docs/model.md 2.7).
+        middle = ephemeris.eccentricity_at(orbit_i, time) + ephemeris.eccentricity_at(orbit_j, time)
+        low /= 1.0 - 0.5 * middle
+        high = max(low, high / (1.0 + 0.5 * middle))
+    return within(orbit_i, orbit_j, rule, (low, high), rule.free, time)
+
+
+@kernel
+def within(orbit_i, orbit_j, rule, limits, free, time):
+    """The same between given radii of the drift orbit [m]."""
+    low, high = limits
+    linear = drift_linear.prepare(orbit_i, orbit_j, low, high, rule.oblateness, time)
     ri, rj = linear.radius_i, linear.radius_j
     inclination_i = ephemeris.inclination_at(orbit_i, time)
     inclination_j = ephemeris.inclination_at(orbit_j, time)
@@ -124,8 +145,8 @@ def prepare(orbit_i, orbit_j, rule, time):
         linear,
         speed_i,
         speed_i - math.sqrt(MU_M3_S2 / rj),
-        speed_i - math.sqrt(MU_M3_S2 / rule.min_radius),
-        speed_i - math.sqrt(MU_M3_S2 / rule.max_radius),
+        speed_i - math.sqrt(MU_M3_S2 / low),
+        speed_i - math.sqrt(MU_M3_S2 / high),
         inclination_i,
         inclination_j,
         math.cos(inclination),
@@ -144,6 +165,8 @@ def prepare(orbit_i, orbit_j, rule, time):
         rule.oblateness,
         ephemeris.latitude_acceleration_at(orbit_i, time),
         ephemeris.latitude_acceleration_at(orbit_j, time),
+        free,
+        *ephemeris.perigee_tangent(orbit_i, time),
     )
 
 
@@ -167,7 +190,7 @@ def task_of(pair, departure, arrival, shape):
         ahead += 0.5 * pair.acceleration_j * met * met
         ahead -= 0.5 * pair.acceleration_i * departure * departure
     ahead += pair.cosine * (lag + pair.node_rate_i * span - pair.node_rate_j * pair.approach)
-    return Task(span, lag, ahead - pair.lead, shape)
+    return Task(span, lag, ahead - pair.lead, shape, arrival)
 
 
 @kernel

@@ -17,7 +17,7 @@ from .drift_grid import first_to_last
 from .drift_pair import Task
 from .low_thrust_arcs import Thrust, chord, weighted
 from .low_thrust_split import BUSY, NEVER, OFF, OFF_M_S, LowThrustSplit, free_split, split
-from .low_thrust_windows import WINDOWS_RAD, places, steering
+from .low_thrust_windows import WINDOWS_RAD, Steering, easing, places, steering
 
 LONG_S = 150.0 * 86400.0
 """Legs that are longer are also tried with a turn of the node more and less [s]."""
@@ -44,7 +44,7 @@ LIGHTER = 1.01
 def task_turned(pair, task, turns):
     """The same task with the node turned some more whole turns."""
     more = turns * TURN_RAD
-    return Task(task.span, task.lag + more, task.ahead + pair.cosine * more, 0.0)
+    return Task(task.span, task.lag + more, task.ahead + pair.cosine * more, 0.0, task.arrival)
 
 
 class LowThrustLeg(NamedTuple):
@@ -87,6 +87,27 @@ def _lower(split, span):
     share = min((split.times.first + split.times.second) / span, 1.0)
     less = split.delta_v - (OFF + OFF_BUSY * share) * split.delta_v - OFF_M_S
     return LowThrustSplit(less, split.first, split.climb, split.tilt, split.node, split.times)
+
+
+@inlined
+def _eased_split(pair, task, thrust, steers):
+    """A split whose ΔV is a lower bound in the norm of its windows.
+
+    That is no less than without eccentricities, and than the root of the sum of squares by its
+    easing, which counts in the times as well.
+    """
+    way, _ = free_split(
+        pair, task, Thrust(thrust.acceleration / easing(steers), thrust.exhaust), steers
+    )
+    if steers.power == 2.0:
+        return way
+    circles = Steering(steers.turn, steers.first_share, steers.second_share, LEVEL, 2.0)
+    other, _ = free_split(pair, task, thrust, circles)
+    eased = easing(steers) * way.delta_v
+    if other.delta_v >= eased:
+        return other
+    first = easing(steers) * way.first
+    return LowThrustSplit(eased, first, way.climb, way.tilt, way.node, way.times)
 
 
 @inlined
@@ -144,13 +165,12 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
         at = places(pair, task, departure, arrival)
         for window in WINDOWS_RAD:
             steers = steering(at, window)
-            impulses = with_impulses(drift, task, steers.turn, steers.bowl)
+            impulses = easing(steers) * with_impulses(drift, task, steers.turn, steers.bowl)
             if _is_too_dear(impulses, thrust, task.span, below, relaxed):
                 continue
             pair_of = weighted(drift, steers.turn)
             if relaxed:
-                way, _ = free_split(pair_of, task, thrust, steers)
-                way = _lower(way, task.span)
+                way = _lower(_eased_split(pair_of, task, thrust, steers), task.span)
             else:
                 way = split(pair_of, task, thrust, steers, below)
             if way.delta_v < best.split.delta_v:

@@ -25,8 +25,9 @@ from ...common.constants import TURN_RAD
 from ..core.compile import inlined
 from .drift import tilt_at
 from .drift_arcs import node_at
-from .drift_free import Rest, first_guess, least_turns, with_bowl
+from .drift_free import Rest, first_guess, least_turns
 from .low_thrust_arcs import ArcTimes, arc_times, beside_ramps, chord, longitude_gained, node_series
+from .low_thrust_windows import easing, shaped
 
 MOST_ROUNDS = 60
 """Maximum number of rounds in which times of thrust converge."""
@@ -42,9 +43,9 @@ SAVED_M_S = 1e-9
 """Least saving for which a step of the inclination is taken [m/s]; times amplify its errors."""
 
 
-BUSY, MOST_LAPS = 0.15, 6
+BUSY, MOST_LAPS, MOST_EASED_LAPS = 0.15, 6, 60
 """Share of a leg with thrust from which on laps farther than both next to the optimum of free phase
-are tried, and the maximum number of them."""
+are tried, and the maximum numbers of them, here and where eccentricities change with the size."""
 
 
 OFF, OFF_M_S = 2e-3, 0.01
@@ -249,9 +250,10 @@ def tooth_split(pair, task, thrust, steering, free, follow, laps):
         if not (pair.least_climb <= climb <= pair.most_climb):
             break
         series = node_series(pair, task, room - now.here, now.times, speed)
-        way = tilt_at(pair, 0.0, series, climb, tilt, SAVED_M_S)
+        rest = pair.climb - climb
+        way = tilt_at(pair, (climb * climb, rest * rest), series, climb, tilt, SAVED_M_S)
         tilt = way.tilt
-        form = with_bowl(way.delta_v, steering.bowl, climb)
+        form = shaped(pair, steering, way.delta_v, climb)
         delta_v, first, found = laid_out(pair, thrust, steering, form, climb, tilt)
         if found.first + found.second > room:
             break
@@ -279,7 +281,8 @@ def split(pair, task, thrust, steering, below):
     LowThrustSplit
     """
     free, follow = free_split(pair, task, thrust, steering)
-    if free.delta_v == math.inf or free.delta_v - OFF * free.delta_v - OFF_M_S >= below:
+    least = easing(steering) * (free.delta_v - OFF * free.delta_v) - OFF_M_S
+    if free.delta_v == math.inf or least >= below:
         return NEVER
     is_busy = free.times.first + free.times.second > BUSY * task.span
     coasting = task.span - pair.approach - free.times.first - free.times.second
@@ -293,7 +296,9 @@ def split(pair, task, thrust, steering, below):
     if way.delta_v < best.delta_v:
         best, number, step = way, nearer, -step
     # The optimum of free phase is one for its times of thrust; fewer may be needed farther on.
-    for _ in range(MOST_LAPS if is_busy else 0):
+    # By a norm of a higher power it is only near its own.
+    most = MOST_EASED_LAPS if steering.power != 2.0 else MOST_LAPS if is_busy else 0
+    for _ in range(most):
         number += step
         way = tooth_split(pair, task, thrust, steering, free, follow, number)
         if way.delta_v >= best.delta_v:

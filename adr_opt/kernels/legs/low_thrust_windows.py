@@ -29,7 +29,7 @@ from ...common.constants import TURN_RAD
 from ..core.compile import inlined, kernel
 from ..orbits import ephemeris, sunlight
 from . import drift_linear, drift_pair
-from .drift_free import Bowl, first_guess
+from .drift_free import Bowl, first_guess, with_bowl
 from .drift_pair import DriftPair
 
 STEEP = 1e-9
@@ -111,6 +111,9 @@ WINDOWS_RAD = (math.pi / 6.0, math.pi / 3.0, math.pi / 2.0)
 WITHIN = 1.0 / 16.0
 """Part of a leg from either end at which shadows are looked at."""
 
+SIMPSON = 16
+"""Number of intervals of a mean over a window."""
+
 DARKLESS = sunlight.Shadow(0.0, 0.0)
 """No shadow."""
 
@@ -155,7 +158,9 @@ def prepare(orbit_i, orbit_j, rule, since_j2000, time):
     node_j, _ = ephemeris.node_tangent(orbit_j, time)
     perigee_i, perigee_rate_i = ephemeris.perigee_tangent(orbit_i, time)
     return LowThrustPair(
-        drift_pair.prepare(orbit_i, orbit_j, rule, time),
+        drift_pair.within(
+            orbit_i, orbit_j, rule, (rule.min_radius, rule.max_radius), rule.free, time
+        ),
         node_i,
         node_j,
         rate_i - ephemeris.coasting_node_rate_at(orbit_i, time),
@@ -223,12 +228,15 @@ class Steering(NamedTuple):
         Share of a revolution in which thrust is on.
     bowl : Bowl
         What eccentricities ask for.
+    power : float
+        p of the norm in which that is added to changes of size.
     """
 
     turn: float
     first_share: float
     second_share: float
     bowl: Bowl
+    power: float
 
 
 class Places(NamedTuple):
@@ -244,6 +252,8 @@ class Places(NamedTuple):
     climb : float
         What both change of the speed [m/s].
     shapes : Shapes
+    free : bool
+        Whether eccentricities change with the size.
     """
 
     first: float
@@ -253,6 +263,7 @@ class Places(NamedTuple):
     second_shadow: sunlight.Shadow
     climb: float
     shapes: Shapes
+    free: bool
 
 
 @inlined
@@ -295,6 +306,7 @@ def places(pair, task, departure, arrival):
         shadow_j,
         drift.climb,
         _shapes(pair, (first, second, share), (shadow_i, shadow_j), task.span, arrival),
+        drift.free,
     )
 
 
@@ -343,9 +355,44 @@ def steering(at, window):
     """Thrust about places, in windows ±η [rad]."""
     one = lit(window, at.first, at.first_shadow)
     other = lit(window, at.second, at.second_shadow)
+    asked, power = bowl(at.shapes, one, other, at.climb), 2.0
+    if at.free:
+        eased, power = 2.5 / mean_primer(window) ** 2, math.pi / window
+        asked = Bowl(eased * asked.steepness, asked.bottom, eased * asked.least)
     return Steering(
-        at.share * one.turn + (1.0 - at.share) * other.turn,
-        one.share,
-        other.share,
-        bowl(at.shapes, one, other, at.climb),
+        at.share * one.turn + (1.0 - at.share) * other.turn, one.share, other.share, asked, power
     )
+
+
+@inlined
+def mean_primer(window):
+    """Mean length of the primer of a change of eccentricity, 2 at most, in windows about its place.
+
+    By Simpson's rule: right to seven digits.
+    """
+    total, sign = 2.0 + math.sqrt(1.0 + 3.0 * math.cos(window) ** 2), 4.0
+    for number in range(1, SIMPSON):
+        total += sign * math.sqrt(1.0 + 3.0 * math.cos(window * number / SIMPSON) ** 2)
+        sign = 6.0 - sign
+    return total / (3.0 * SIMPSON)
+
+
+@inlined
+def easing(steering):
+    """By how much less a norm of its power may be than the root of the sum of squares."""
+    return 2.0 ** (1.0 / steering.power - 0.5)
+
+
+@inlined
+def shaped(pair, steering, form, climb):
+    """ΔV with what eccentricities ask for, for one without that and y [m/s] (model, 11.8)."""
+    if steering.power == 2.0:
+        return with_bowl(form, steering.bowl, climb)
+    size, away = abs(climb) + abs(pair.climb - climb), climb - steering.bowl.bottom
+    asked = math.sqrt(steering.bowl.steepness * away * away + steering.bowl.least)
+    most = max(size, asked)
+    if most == 0.0:
+        return form
+    both = (size / most) ** steering.power + (asked / most) ** steering.power
+    both = most * both ** (1.0 / steering.power)
+    return math.sqrt(max(form * form - size * size, 0.0) + both * both)

@@ -1,0 +1,87 @@
+"""Price of a drift by free burns: by size and direction of the difference of the eccentricities.
+
+At either end burns ahead that change the speed by y change the eccentricity vector by as much as
+V̄ |Δe| / 2 = y at no cost, in whichever direction (docs/model.md section 3.6). So with
+n₁ + n₂ = max(|y| + |v_y − y|, V̄ |Δe| / 2) in the plane of the orbit, drifts are split where
+
+    M = hypot( X, hypot(n₁, z) + hypot(n₂, v_z − z) )
+
+is least. The component of Δe across the line on which the plane is turned takes burns along the
+radius, which ride on the turn or outgrow it, as in :mod:`.free_burns`: the price is M with that.
+"""
+
+import math
+
+from ..core.compile import inlined
+from .free_burns import ROOT_3
+
+CLOSER_M_S = 1e-10
+"""As CLOSE_M_S of :mod:`.drift`, where the price is not what is least at the split [m/s]."""
+
+
+@inlined
+def in_plane(pair, shape, climb):
+    """Squares of what either end takes in the plane of the orbit, for a y [m²/s²].
+
+    Parameters
+    ----------
+    pair : DriftPair
+    shape, climb : float
+        E and y [m/s].
+    """
+    rest = pair.climb - climb
+    if not pair.free:
+        return climb * climb + shape * shape, rest * rest + shape * shape
+    one, other = abs(climb), abs(rest)
+    more = max(shape - 0.5 * (one + other), 0.0)
+    return (one + more) * (one + more), (other + more) * (other + more)
+
+
+@inlined
+def across(pair, task, node):
+    """V̄/2 times the part of Δe across the line on which plane and node are turned [m/s].
+
+    Parameters
+    ----------
+    pair : DriftPair
+    task : Task
+    node : float
+        X [m/s].
+    """
+    linear = pair.linear
+    perigee_i = pair.perigee_i + pair.perigee_rate_i * task.arrival
+    perigee_j = perigee_i + linear.perigee_lag + linear.perigee_lag_rate * task.arrival
+    e_i, e_j = linear.eccentricity_i, linear.eccentricity_j
+    x = e_j * math.cos(perigee_j) - e_i * math.cos(perigee_i)
+    y = e_j * math.sin(perigee_j) - e_i * math.sin(perigee_i)
+    size = math.sqrt(node * node + linear.tilt * linear.tilt)
+    if size == 0.0:
+        return 0.0
+    return 0.5 * linear.speed * abs(linear.tilt * y - node * x) / size
+
+
+@inlined
+def directed(pair, task, way):
+    """Price of a split by its M [m/s].
+
+    Parameters
+    ----------
+    pair : DriftPair
+    task : Task
+    way : Split
+    """
+    if task.shape == 0.0:
+        return way.delta_v
+    first, second = in_plane(pair, task.shape, way.climb)
+    left = pair.linear.tilt - way.tilt
+    turn = math.sqrt(first + way.tilt * way.tilt) + math.sqrt(second + left * left)
+    square = way.delta_v * way.delta_v
+    node = math.copysign(math.sqrt(max(square - turn * turn, 0.0)), way.along)
+    planar = math.sqrt(first) + math.sqrt(second)
+    side = across(pair, task, node)
+    if side == 0.0:
+        return way.delta_v
+    theta = max(square - planar * planar, 0.0)
+    apart = side + 0.5 * ROOT_3 * math.sqrt(theta)
+    ridden = 4.0 * side * side + theta if 12.0 * side * side < theta else apart * apart
+    return math.sqrt(square + side / planar * (ridden - side * side - theta))
