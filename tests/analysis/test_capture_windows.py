@@ -178,7 +178,8 @@ def test_an_instance_with_its_windows_is_planned(cli: Cli, field: Instance) -> N
     assert cli(*line.split()).status == 0
     lit = adr_opt.load("lit.json")
     assert all(target.capture_s == 60.0 for target in lit.targets)
-    assert cli(*["solve", "lit.json", "--method", "greedy", "--out", "p.json", "--quiet"]).status == 0
+    planned = cli("solve", "lit.json", "--method", "greedy", "--out", "p.json", "--quiet")
+    assert planned.status == 0
     assert cli(*["check", "lit.json", "p.json"]).status == 0
     plan = Plan.load("p.json")
     assert plan.legs
