@@ -14,8 +14,10 @@ import numpy as np
 
 import adr_opt
 from adr_opt import Instance, Plan
+from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.common.errors import InputError
 from adr_opt.mission.problem import Problem, problem_of
+from adr_opt.problem.orbit import Orbit
 
 ROOT = Path(__file__).resolve().parents[1]
 INSTANCES = ROOT / "instances"
@@ -58,6 +60,38 @@ def eccentric(instance: Instance, most: float, seed: int) -> Instance:
         if target.orbit is not None
     )
     return instance.replace(dynamics="j2", targets=targets)
+
+
+def like(what: str, seed: int) -> Instance:
+    """A drawn field under J2 that is like objects of one origin.
+
+    ``Cosmos 2251``: the other cloud of the collision that the family ``cloud`` is drawn from, of
+    the same shape and 12.4° less inclined. ``SL-8``: stages of 930 to 990 km with eccentricities up
+    to 0.004, their planes as wide.
+    """
+    field, rng = adr_opt.generate("cloud", seed), np.random.default_rng(seed)
+
+    def moved(orbit: Orbit) -> Orbit:
+        if what == "Cosmos 2251":
+            return orbit.replace(inclination_deg=orbit.inclination_deg - 12.4)
+        return orbit.replace(
+            semi_major_axis_m=EARTH_RADIUS_M + 1e3 * float(rng.uniform(930.0, 990.0)),
+            inclination_deg=float(rng.uniform(82.9, 83.0)),
+            eccentricity=0.004 * float(rng.random()),
+        )
+
+    (station,) = field.stations
+    home = station.orbit.replace(inclination_deg=74.04 if what == "Cosmos 2251" else 82.95)
+    return field.replace(
+        name=f"{what}-like {seed}",
+        dynamics="j2",
+        stations=(station.replace(orbit=home),),
+        targets=tuple(
+            target.replace(orbit=moved(target.orbit))
+            for target in field.targets
+            if target.orbit is not None
+        ),
+    )
 
 
 def imported(catalogue: Path, options: str) -> Instance:

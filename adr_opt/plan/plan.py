@@ -19,6 +19,7 @@ from ..common.files import read_model, to_text, write_text
 from ..common.records import DeltaV, Name, NonNegative, Positive, Record, Time, without
 from ..problem.instance import Instance
 from ..problem.settings import Objective
+from .impulses import impulses_of
 from .leg_kinds import DRIFT, SHORT, KindName, LegKind, OneOf, leg_kind
 from .phases import burn_phases
 from .plan_flight import PlanFlight
@@ -224,9 +225,19 @@ class Leg(Shown, Record):
         return self.burns[0].time_s if self.burns else self.departure_s
 
     @property
-    def all_burns(self) -> tuple[Burn, ...]:
-        """Burns of the transfer and of the removal after it."""
-        return (*self.burns, *self.removal_burns)
+    def impulses(self) -> tuple[Burn, ...]:
+        """Burns of the transfer as they are made: the stop and what begins the approach as one."""
+        return impulses_of(self.burns)
+
+    @property
+    def all_impulses(self) -> tuple[Burn, ...]:
+        """Impulses of the transfer and of the removal after it."""
+        return (*self.impulses, *self.removal_burns)
+
+    @property
+    def standoff_s(self) -> float | None:
+        """When the approach begins; None without one [s]."""
+        return next((burn.time_s for burn in self.burns if burn.phase == "approach"), None)
 
     @property
     def docked_s(self) -> float:
@@ -235,8 +246,16 @@ class Leg(Shown, Record):
 
     @property
     def burns_delta_v_m_s(self) -> float:
-        """Sum of the burns: for a short leg, ``delta_v_m_s`` less the part without burns [m/s]."""
-        return math.fsum(burn.size_m_s for burn in self.burns)
+        """Sum of the impulses [m/s].
+
+        With ``at_once_m_s``, that of a short leg is ``delta_v_m_s`` less the part without burns.
+        """
+        return math.fsum(burn.size_m_s for burn in self.impulses)
+
+    @property
+    def at_once_m_s(self) -> float:
+        """What burns of one instant save as one vector; the price counts each of them [m/s]."""
+        return math.fsum(burn.size_m_s for burn in self.burns) - self.burns_delta_v_m_s
 
 
 class Route(Shown, Record):

@@ -14,6 +14,7 @@ from ..common.files import read_model, read_text, to_text, write_text
 from ..common.json_text import loaded
 from ..common.records import DeltaV, Name, NonNegative, Record, Time
 from ..problem.ephemerides import Digest, EphemerisKind
+from .impulses import impulses_of
 from .leg_kinds import OneOf, RefinedKindName, leg_kind
 from .phases import refined_phases
 from .plan import InstanceReference, Plan, Vector
@@ -174,7 +175,9 @@ class RefinedLeg(Record):
     """One leg in true dynamics.
 
     It begins docked with the origin, before the first burn; at ``standoff_s`` it is where the plan
-    wants it behind the destination, at rest relative to that point; at ``arrival_s`` it has docked.
+    wants it behind the destination, and after the burn of that instant moves relative to that point
+    by ``approach_m_s``, with which the approach begins, or rests where that is None; at
+    ``arrival_s`` it has docked.
     The residuals are the larger ones of those two. ``planned_delta_v_m_s`` is that of the plan,
     ``retargeted_delta_v_m_s`` that of the plan's own burns, kept near what they were, and
     ``flown_delta_v_m_s`` the sum of ``burns``. ``chaser`` is its chaser, where there are several;
@@ -211,6 +214,7 @@ class RefinedLeg(Record):
     after_launch: Literal[True] | None = None
     tow: RefinedTow | None = None
     thrust: RefinedThrust | None = None
+    approach_m_s: Velocity | None = None
     holding_delta_v_m_s: DeltaV | None = None
     vented_kg: NonNegative | None = None
 
@@ -219,6 +223,11 @@ class RefinedLeg(Record):
         """ΔV of burns and arcs, whatever ΔV is stated [m/s]."""
         arcs = 0.0 if self.thrust is None else self.thrust.delta_v_m_s
         return math.fsum((arcs, *(burn.size_m_s for burn in self.burns)))
+
+    @property
+    def impulses(self) -> tuple[RefinedBurn, ...]:
+        """Its burns as they are made: files of before 2.0 state two at the stand-off."""
+        return impulses_of(self.burns)
 
     @property
     def holding_m_s(self) -> float:
@@ -270,6 +279,7 @@ class RefinedLeg(Record):
             "after_launch",
             "tow",
             "thrust",
+            "approach_m_s",
             "holding_delta_v_m_s",
             "vented_kg",
         ):

@@ -146,6 +146,8 @@ class MissionSettings(Record):
 
 ApproachName = Literal["half-lap", "safety-ellipse"]
 
+BurnsName = Literal["sequence", "free"]
+
 OF_THE_ELLIPSE = ("keep_out_m", "approach_revolutions", "inspection_revolutions")
 """Parameters of a safety ellipse alone."""
 
@@ -184,8 +186,8 @@ class SequenceSettings(Record):
             for name in OF_THE_ELLIPSE:
                 if (value := getattr(self, name)) != type(self).model_fields[name].default:
                     raise ValueError(
-                        f"{name} = {value!r}: half laps have none; leave it out, or write approach "
-                        '"safety-ellipse"'
+                        f"field {name} = {value!r}: half laps have none; leave it out, or write "
+                        'approach "safety-ellipse"'
                     )
         return self
 
@@ -244,7 +246,7 @@ class TransferSettings(SequenceSettings):
     max_drift_s: NonNegative = 0.0
     mass_class: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_CLASS)] | None = None
     max_leg_s: Annotated[float, Field(gt=0.0, le=LARGEST_DURATION_S)] | None = None
-    burns: Literal["sequence", "free"] = "sequence"
+    burns: BurnsName = "sequence"
     given: GivenFile | None = None
 
     @property

@@ -25,12 +25,16 @@ class Fitting(NamedTuple):
     kit_mass: float | None
     tow: float | None
     disposal_altitude: float | None
+    disposal_perigee: float | None
+    max_lifetime: float | None
 
     @property
     def disposal(self) -> Disposal | None:
         """The disposal orbit."""
-        from ..problem.disposal import DisposalCircle
+        from ..problem.disposal import DisposalCircle, DisposalPerigee
 
+        if self.disposal_perigee is not None:
+            return DisposalPerigee(perigee_m=1e3 * self.disposal_perigee)
         altitude = self.disposal_altitude
         return None if altitude is None else DisposalCircle(circle_m=1e3 * altitude)
 
@@ -59,12 +63,20 @@ class Fitting(NamedTuple):
             )
 
     def _check_tow(self, *, knows_masses: bool) -> None:
-        if self.tow is None and self.disposal_altitude is not None:
-            raise InputError("--disposal-altitude: nothing is towed; give the mass with --tow")
+        of_tows = ("disposal_altitude", "disposal_perigee", "max_lifetime")
+        given = [_option(name) for name in of_tows if getattr(self, name) is not None]
         if self.tow is None:
+            if given:
+                raise InputError(f"{given[0]}: nothing is towed; give the mass with --tow")
             return
-        if self.disposal_altitude is None:
-            raise InputError("--tow: no disposal orbit; give --disposal-altitude")
+        if self.disposal is None:
+            raise InputError(
+                "--tow: no disposal orbit; give --disposal-altitude or --disposal-perigee"
+            )
+        if given[:2] == ["--disposal-altitude", "--disposal-perigee"]:
+            raise InputError(
+                "--disposal-perigee: the disposal orbit is a circle; leave --disposal-altitude out"
+            )
         if self.kits is not None:
             raise InputError("--tow: a target takes a kit or is towed; leave --kits or --tow out")
         if not knows_masses:
@@ -183,6 +195,7 @@ class CrewOptions(NamedTuple):
             separation_s=None if separation is None else DAY_S * separation,
             towed_kg=fitting.tow,
             disposal=fitting.disposal,
+            max_lifetime_years=fitting.max_lifetime,
             service_s=None if self.service_days is None else DAY_S * self.service_days,
             thrust_n=self.thrust,
             duty_cycle=self.duty_cycle,

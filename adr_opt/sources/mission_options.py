@@ -36,6 +36,7 @@ class MissionOptions(NamedTuple):
     resolution: float | None = None
     burns: Literal["sequence", "free"] | None = None
     approach: ApproachName | None = None
+    keep_out: float | None = None
 
     def outline(self, *, thrust: bool = False, fitted_by: str | None = None) -> MissionOutline:
         """The mission.
@@ -69,7 +70,7 @@ class MissionOptions(NamedTuple):
             self.resolution,
             "sequence" if thrust and self.burns is None else self.burns,
         )
-        transfer["approach"] = self.approach
+        transfer |= {"approach": self.approach, "keep_out_m": self.keep_out}
         if thrust and (self.dynamics != "j2" or self.max_drift_days == 0.0):
             raise InputError(
                 "--thrust: such transfers drift; leave --dynamics j2 and --max-drift-days"
@@ -178,10 +179,13 @@ OPTIONS = {
     "duration_s": "--duration-days",
     "duty_cycle": "--duty-cycle",
     "isp_s": "--isp",
+    "keep_out_m": "--keep-out",
     "kit_mass_kg": "--kit-mass",
     "kits": "--kits",
     "launch_separation_s": "--launch-separation",
     "max_drift_s": "--max-drift-days",
+    "max_lifetime_years": "--max-lifetime",
+    "perigee_m": "--disposal-perigee",
     "propellant_kg": "--propellant",
     "semi_major_axis_m": "--station",
     "service_s": "--service-days",

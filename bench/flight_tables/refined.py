@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from fields import eccentric, external, planned
+from fields import eccentric, external, like, planned
 from tables import head, row, timed
 
 import adr_opt
@@ -109,6 +109,8 @@ def _propagation(days: float) -> None:
 def _fields(catalogues: tuple[Path, ...], seeds: int, cuts: int) -> Iterator[tuple[str, Instance]]:
     """Kind of field, and the field, under J2: drawn ones, and parts of catalogues."""
     for seed in range(seeds):
+        for what in ("Cosmos 2251", "SL-8"):
+            yield f"{what}-like", like(what, seed)
         yield "clouds as drawn", adr_opt.generate("cloud", seed).replace(dynamics="j2")
     for seed in range(seeds):
         instance = eccentric(adr_opt.generate("nominal", seed), 0.02, seed)
@@ -133,11 +135,11 @@ def clouds(
 ) -> None:
     """What legs between eccentric orbits are said to take, and what they take flown.
 
-    Clouds as drawn, nominal fields with eccentricities up to 0.02, and parts of catalogue files,
-    all under J2, planned twice: priced by the burns of the sequence, and by free burns. Each plan
-    is refined with free burns, the first one also with its own. Errors are those of what was said,
-    as shares of what is flown; a tank is broken if what is flown exceeds it by more than 1 %. Legs
-    are written to the file ``--out``.
+    Drawn clouds like those of Iridium 33 and Cosmos 2251, stages like SL-8, nominal fields with
+    eccentricities up to 0.02, and parts of catalogue files, all under J2, planned twice: priced by
+    the burns of the sequence, and by free burns. Each plan is refined with free burns, the first
+    one also with its own. Errors are those of what was said, as shares of what is flown; a tank is
+    broken if what is flown exceeds it by more than 1 %. Legs are written to the file ``--out``.
     """
     kept = ["field,priced_by,said_m_s,flown_m_s"]
     head(

@@ -38,6 +38,8 @@ DOORS = {
     "Pool": (PRODUCT, set()),
     "Client": ((*PRODUCT, "bench"), {"adr_opt/study/cluster.py"}),
     "get_reusable_executor": ((*PRODUCT, "bench"), set()),
+    # what a plan lists by phase is fired as impulses, those of one instant as one
+    "leg.burns": (("adr_opt/export", "adr_opt/ui", "adr_opt/analysis", "solvers", "bench"), set()),
     # without the settings that all runs need
     "CpSolver": ((*PRODUCT, "bench"), {"solvers/models/cp_sat.py"}),
 }

@@ -108,7 +108,7 @@ def test_other_formats_start_with_the_chaser(files: Cli) -> None:
         outcome = files("export", "my.json", "plan.json", "--out", out, "--chaser", OWN)
         assert outcome.status == 0, outcome.err
         text = Path(out).read_text(encoding="utf-8")
-        burns = sum(len(leg.burns) for leg in plan.routes[1].legs)
+        burns = sum(len(leg.impulses) for leg in plan.routes[1].legs)
         assert len(re.findall(pattern, text)) == burns
         assert "The chaser is kicker" in text
     place = sample(instance, plan).legs[3].arcs[0].positions_m[0]

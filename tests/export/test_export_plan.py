@@ -136,7 +136,7 @@ def test_both_messages_pass_a_second_reader(tiny: Instance, plan: Plan, tmp_path
 
     write_plan(tiny, plan, tmp_path / "plan.opm")
     data = ndm_io.NdmIo().from_path(tmp_path / "plan.opm").body.segment.data
-    burns = [burn for leg in plan.legs for burn in leg.burns]
+    burns = [burn for leg in plan.legs for burn in leg.impulses]
     assert len(data.maneuver_parameters) == len(burns)
     for read_burn, burn in zip(data.maneuver_parameters, burns, strict=True):
         assert read_burn.man_ref_frame == "EME2000"
@@ -168,7 +168,7 @@ def test_opm_leads_to_the_destination(tiny: Instance, plan: Plan, tmp_path: Path
         write_plan(tiny, plan, tmp_path / "leg.opm", leg=number)
         end, burns = flown_opm(tmp_path / "leg.opm", tiny, leg.arrival_s)
         goal = body_states(tiny, leg.destination, leg.arrival_s)[0][0]
-        assert burns == len(leg.burns)
+        assert burns == len(leg.impulses)
         assert np.linalg.norm(end - goal) < 0.1
 
 

@@ -227,7 +227,7 @@ def test_an_ocm_leads_to_every_stand_off(tmp_path: Path) -> None:
             spent = np.array(table["THR_ISP"], dtype=float)[0] * 9.80665 * math.log(first / mass)
             assert len(own) > 2 or spent == pytest.approx(leg.thrust.delta_v_m_s, abs=1e-5)
         impulses = own[-1][1]
-        assert len(impulses) == len(leg.burns)
+        assert len(impulses) == len(leg.impulses)
         for label, _, lost_kg, *parts in impulses:
             state = moved(state, since(label) - now, "j2")
             state[3:] += 1e3 * np.array(parts, dtype=float)
@@ -310,7 +310,7 @@ def test_impulses_are_written_as_an_ocm(tmp_path: Path) -> None:
     text = (tmp_path / "a.ocm").read_text(encoding="ascii")
     assert not blocks(text, "PHYS")
     tables = blocks(text, "MAN")
-    assert [len(rows) for _, rows in tables] == [len(leg.burns) for leg in refined.legs]
+    assert [len(rows) for _, rows in tables] == [len(leg.impulses) for leg in refined.legs]
     sizes = [
         math.hypot(*(1e3 * float(part) for part in row[2:])) for _, rows in tables for row in rows
     ]

@@ -689,10 +689,9 @@ def free_mission(seed: int) -> Instance:
     return freely((random_mission, drifting_mission, random_campaign)[seed % 3](seed // 3), seed)
 
 
-def rounding_mission(seed: int) -> Instance:
-    """A mission of a day or two whose targets are approached on safety ellipses."""
+def rounding(instance: Instance, seed: int) -> Instance:
+    """The same with safety ellipses, and with time for them."""
     rng = np.random.default_rng([4, seed])
-    instance = (random_mission, drifting_mission)[seed % 2](seed)
     instance = instance.with_limits(duration_s=2.5 * instance.mission.duration_s)
     transfer = instance.transfer.replace(
         approach="safety-ellipse",
@@ -701,6 +700,20 @@ def rounding_mission(seed: int) -> Instance:
         inspection_revolutions=int(rng.choice([0, 0, 2])),
     )
     return instance.replace(transfer=transfer)
+
+
+def rounding_mission(seed: int) -> Instance:
+    """A mission of a day or two whose targets are approached on safety ellipses."""
+    return rounding((random_mission, drifting_mission)[seed % 2](seed), seed)
+
+
+def full_mission(seed: int) -> Instance:
+    """Free burns, safety ellipses and tows to circles and perigees at once, by turns a campaign."""
+    draw = disposing_campaign if seed % 3 == 2 else disposing_mission
+    instance = freely(draw(seed // 3), seed)
+    instance = instance.with_limits(duration_s=2.0 * instance.mission.duration_s)
+    at_once = instance.transfer.replace(max_drift_s=0.0)
+    return rounding(instance.replace(transfer=at_once), seed)
 
 
 DRAWS: dict[str, Callable[[int], Instance]] = {
@@ -725,6 +738,7 @@ DRAWS: dict[str, Callable[[int], Instance]] = {
     "captured": captured_mission,
     "captured campaign": captured_campaign,
     "free": free_mission,
+    "full": full_mission,
     "free hurried": lambda seed: freely(hurried_mission(seed), seed),
 }
 """All kinds of drawn fields that enumeration can tell the best plan of."""

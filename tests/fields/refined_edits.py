@@ -172,6 +172,14 @@ def other_mass(content: Content, rng: random.Random) -> None:
         thrust[field] *= 1.0 + rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-6.0, -1.0)
 
 
+def other_approach(content: Content, rng: random.Random) -> None:
+    leg = _leg(content, rng)
+    begins = leg.pop("approach_m_s", [0.0, 0.0, 0.0])
+    if rng.random() < 0.7:
+        begins[rng.randrange(3)] += rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-1.5, 2.0)
+        leg["approach_m_s"] = begins
+
+
 def other_tow(content: Content, rng: random.Random) -> None:
     leg = _leg(content, rng)
     tow = leg.get(rng.choice(["tow", "tow_before"]))
@@ -207,7 +215,7 @@ EDITS: tuple[Callable[[Content, random.Random], None], ...] = (
     more_legs,
     other_number,
     changed_burn,
-    changed_burn,
+    other_approach,
     lost_burn,
     later_burn,
     other_phase,

@@ -250,7 +250,7 @@ def test_wrong_parameters_are_one_sentence() -> None:
         sample_flights(instance, refined, 5, share=1.0)
     with pytest.raises(adr_opt.InputError, match="belongs to the instance"):
         sample_flights(adr_opt.generate("tiny", 2), refined, 5)
-    with pytest.raises(adr_opt.InputError, match="leg 1: a flight with errors leads"):
+    with pytest.raises(adr_opt.InputError, match=r"leg \d: a flight with errors leads"):
         sample_flights(instance, refined, 10, FlightErrors(0.2, 10.0, 1e5, 100.0), corrections=0)
     with pytest.raises(adr_opt.InputError, match="no legs"):
         sample_flights(instance, unjudged(instance, refined.replace(legs=())), 5)

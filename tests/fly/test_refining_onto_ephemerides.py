@@ -150,6 +150,7 @@ def assert_begins_and_ends_on_sgp4(
             if behind_m:
                 delay_s = behind_m / float(np.linalg.norm(reported[3:]))
                 reported = by_sgp4_alone(instance, body, time_s - delay_s)
+                reported[3:] += leg.approach_m_s
             assert np.linalg.norm((state - reported)[:3]) < most_m, (leg.leg, body)
             assert np.linalg.norm((state - reported)[3:]) < most_m_s, (leg.leg, body)
             seen += 1

@@ -335,7 +335,7 @@ def test_what_is_exported_has_the_burns_of_tows(tmp_path):
     message, script = tmp_path / "a.opm", tmp_path / "a.script"
     write_plan(instance, plan, message)
     write_plan(instance, plan, script)
-    burns = sum(len(leg.all_burns) for leg in plan.legs)
+    burns = sum(len(leg.all_impulses) for leg in plan.legs)
     assert message.read_text().count("MAN_EPOCH_IGNITION") == burns
     assert script.read_text().count("Maneuver 'tow'") == 2 * tows
     number = next(iter(plan.lead_ins))

@@ -141,7 +141,7 @@ def test_the_page_shows_what_there_is(cli: Cli, tmp_path: Path) -> None:
     text = Path("my.html").read_text()
     found = text.partition('id="mission">')[2].partition("</script>")[0]
     figures = json.loads(found)["figures"]
-    assert set(figures) == {"budget", "costs", "gantt"}
+    assert set(figures) == {"budget", "costs", "gantt", "lanes"}
     assert [trace["name"] for trace in figures["costs"]["data"]] == ["planned"]
     assert "transfer" in {trace["name"] for trace in figures["gantt"]["data"]}
     assert len(figures["budget"]["data"][0]["x"]) == 1 + len(plan.legs) + 1

@@ -237,6 +237,7 @@ def test_generate_fits_chasers_with_kits_and_tows(cli: Cli) -> None:
         (("--delta-v", "700"), "visit", None),
         (("--kits", "2", "--kit-mass", "9", *MASSES), "kit", 2),
         (("--tow", "250", "--disposal-altitude", "450", *MASSES), "tow", None),
+        (("--tow", "250", "--disposal-perigee", "350", *MASSES), "tow", None),
     ):
         outcome = cli("generate", "tiny", *options, "--out", "i.json", "--quiet")
         assert outcome.status == 0, outcome.err
@@ -265,6 +266,7 @@ def test_generate_fits_chasers_with_kits_and_tows(cli: Cli) -> None:
         (("tiny", "--kit-mass", "9"), "--kit-mass: there are no kits"),
         (("tiny", "--tow", "9"), "--tow: no disposal orbit"),
         (("tiny", "--disposal-altitude", "9"), "nothing is towed"),
+        (("tiny", "--keep-out", "9"), "keep_out_m = 9.0: half laps have none"),
         (("tiny", "--tow", "9", "--disposal-altitude", "500"), "without masses"),
         (("tiny", "--isp", "9"), "give all three"),
         (("removal", "--delta-v", "900"), "kit_mass_kg"),

@@ -30,7 +30,7 @@ def test_export_writes_what_the_suffix_says(cli, tiny_file, plan_file, tmp_path,
     legs = adr_opt.load_plan(plan_file).legs
     assert told["format"] == format
     assert told["legs"] == len(legs)
-    assert told["burns"] == sum(len(leg.burns) for leg in legs)
+    assert told["burns"] == sum(len(leg.impulses) for leg in legs)
     assert told["end_s"] == legs[-1].end_s
     assert f"wrote {out}" in done.err
     assert out.stat().st_size > 1000

@@ -12,7 +12,7 @@ import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.plan.cargo import loads_of
 from adr_opt.problem.chasers import Expense, Tank, TankByMass
-from adr_opt.problem.disposal import DisposalCircle
+from adr_opt.problem.disposal import DisposalCircle, DisposalPerigee
 from adr_opt.sources import catalogue
 
 pytest.importorskip("sgp4.io")
@@ -123,13 +123,24 @@ def test_each_option_stands_for_itself(imported) -> None:
 
 
 def test_tows_reach_the_instance(imported) -> None:
-    """Each target has the mass that is said, and is towed down to the disposal altitude."""
-    outcome = imported(*MASSES, "--tow", "900", "--disposal-altitude", "450.5")
-    assert outcome.status == 0, outcome
-    instance = adr_opt.load("out.json")
-    assert instance.mission.disposal == DisposalCircle(circle_m=450.5e3)
-    assert {(target.removal, target.mass_kg) for target in instance.targets} == {("tow", 900.0)}
-    assert loads_of(instance, instance.chaser, 0.0) is not None
+    """Each target has the mass that is said, and is towed down to the circle or the perigee."""
+    for option, disposal in (
+        ("--disposal-altitude", DisposalCircle(circle_m=450.5e3)),
+        ("--disposal-perigee", DisposalPerigee(perigee_m=450.5e3)),
+    ):
+        outcome = imported(*MASSES, "--tow", "900", option, "450.5", "--max-lifetime", "25")
+        assert outcome.status == 0, outcome
+        instance = adr_opt.load("out.json")
+        assert instance.mission.disposal == disposal
+        assert instance.mission.max_lifetime_years == 25.0
+        assert {(target.removal, target.mass_kg) for target in instance.targets} == {("tow", 900.0)}
+        assert loads_of(instance, instance.chaser, 0.0) is not None
+
+
+def test_a_distance_to_keep_reaches_the_instance(imported) -> None:
+    """``--keep-out`` is that of a safety ellipse, and of nothing else."""
+    assert imported("--approach", "safety-ellipse", "--keep-out", "150").status == 0
+    assert adr_opt.load("out.json").transfer.kept_out_m == 150.0
 
 
 def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
@@ -177,6 +188,17 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
         (("--tow", "900", "--disposal-altitude", "500"), "without masses"),
         (("--tow", "9", "--disposal-altitude", "500", "--kits", "3"), "takes a kit or is towed"),
         (("--disposal-altitude", "500"), "nothing is towed"),
+        (("--disposal-perigee", "50"), "--disposal-perigee: nothing is towed"),
+        (("--max-lifetime", "25"), "--max-lifetime: nothing is towed"),
+        (
+            (*MASSES, "--tow", "9", "--disposal-altitude", "500", "--disposal-perigee", "50"),
+            "leave --disposal-altitude out",
+        ),
+        (
+            (*MASSES, "--tow", "9", "--disposal-perigee", "50", "--max-lifetime", "1e3"),
+            "--max-lifetime (max_lifetime_years = 1000.0): must be less",
+        ),
+        (("--keep-out", "500"), "--keep-out (keep_out_m = 500.0): half laps have none"),
         (("--kits", "3", "--kit-mass", "3"), "without masses"),
         (("--dry-mass", "3"), "give all three"),
         ((*MASSES, "--delta-v", "3"), "--delta-v: the tank is given by its mass"),

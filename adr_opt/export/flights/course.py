@@ -92,7 +92,7 @@ class CourseLeg:
     origin, destination : str
     arrival_s, end_s : float
         End of the approach, and of the service [s].
-    burns, removal : tuple of Impulse
+    impulses, removal : tuple of Impulse
         Those of the transfer, and those after the service, with the object.
     windows : tuple of ThrustWindow
         Of low thrust, before all burns.
@@ -103,7 +103,7 @@ class CourseLeg:
     destination: str
     arrival_s: float
     end_s: float
-    burns: tuple[Impulse, ...]
+    impulses: tuple[Impulse, ...]
     removal: tuple[Impulse, ...] = ()
     windows: tuple[ThrustWindow, ...] = ()
 
@@ -111,12 +111,12 @@ class CourseLeg:
     def of(cls, number: int, leg: Leg | RefinedLeg) -> CourseLeg:
         """A leg of a plan or of a refined plan."""
         ends = leg.origin, leg.destination, leg.arrival_s, leg.end_s
-        return cls(number, *ends, leg.burns, leg.removal_burns)
+        return cls(number, *ends, leg.impulses, leg.removal_burns)
 
     @property
-    def all_burns(self) -> tuple[Impulse, ...]:
-        """Burns of the transfer and of the removal after it."""
-        return (*self.burns, *self.removal)
+    def all_impulses(self) -> tuple[Impulse, ...]:
+        """Those of the transfer and of the removal after it."""
+        return (*self.impulses, *self.removal)
 
     @property
     def title(self) -> str:
@@ -184,11 +184,11 @@ def burnt_of(
     tank, legs = chaser.tank, tuple(route)
     if not isinstance(tank, TankByMass):
         return {}
-    flown = [(leg.destination, math.fsum(burn.size_m_s for burn in leg.burns)) for leg in legs]
+    flown = [(leg.destination, math.fsum(burn.size_m_s for burn in leg.impulses)) for leg in legs]
     stages, removals = followed(instance, chaser, flown), removals_by_name(instance, None)
     found: dict[int, tuple[Burnt, ...]] = {}
     for leg, before, after in zip(legs, stages, stages[1:], strict=False):
-        found[leg.number] = burnt_from(before.mass_kg or 0.0, leg.burns, tank.exhaust_m_s)
+        found[leg.number] = burnt_from(before.mass_kg or 0.0, leg.impulses, tank.exhaust_m_s)
         if leg.removal:
             mass_kg = (
                 (after.mass_kg or 0.0) + after.removal_kg + removals[leg.destination].object_kg

@@ -228,7 +228,7 @@ def _gravity(degree: int) -> tuple[str, ...]:
 
 def _impulses(course: FlightCourse, leg: CourseLeg, axes: Axes) -> Iterator[str]:
     """Burns of a leg as GMAT manoeuvres."""
-    for number, burn in enumerate(leg.all_burns, start=1):
+    for number, burn in enumerate(leg.all_impulses, start=1):
         yield ""
         yield f"Create ImpulsiveBurn {_burn(leg, number)};"
         yield f"GMAT {_burn(leg, number)}.CoordinateSystem = {AXES[axes.frame.name]};"
@@ -270,7 +270,7 @@ def _leg(
         now = yield from _coast(leg, phase, crew, now, window.start_s)
         now = yield from pushed(leg, window, crew, CHASER)
         phase = "coast"
-    for number, burn in enumerate(leg.burns, start=1):
+    for number, burn in enumerate(leg.impulses, start=1):
         now = yield from _coast(leg, phase, crew, now, burn.time_s)
         yield f"Maneuver '{burn.phase}' {_burn(leg, number)}({CHASER});"
         phase = burn.phase
@@ -281,7 +281,7 @@ def _leg(
         yield f"GMAT {CHASER}.{system}.{axis} = {goal}.{system}.{axis};"
     now = yield from _coast(leg, "service", crew, now, leg.end_s)
     phase = "wait"
-    for number, burn in enumerate(leg.removal, start=1 + len(leg.burns)):
+    for number, burn in enumerate(leg.removal, start=1 + len(leg.impulses)):
         now = yield from _coast(leg, phase, crew, now, burn.time_s)
         yield f"Maneuver '{burn.phase}' {_burn(leg, number)}({CHASER});"
         phase = burn.phase

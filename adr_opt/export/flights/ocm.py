@@ -72,7 +72,7 @@ def _lines(
     for leg in course.legs:
         for number, run in enumerate(_runs(clock, leg.windows), start=1):
             yield from _thrust(course, leg, number, run, axes, clock)
-        if leg.all_burns:
+        if leg.all_impulses:
             yield from _impulses(course, leg, axes, clock)
     yield from ("", "PERT_START")
     yield f"EQUATORIAL_RADIUS = {EARTH_RADIUS_M / 1e3:.3f} [km]"
@@ -158,7 +158,7 @@ def _impulses(course: FlightCourse, leg: CourseLeg, axes: Axes, clock: UtcClock)
     """A table of the burns of a leg, with their propellant where masses are known."""
     burnt = course.burnt.get(leg.number)
     yield from ("", "MAN_START")
-    phases = ", ".join(burn.phase for burn in leg.all_burns)
+    phases = ", ".join(burn.phase for burn in leg.all_impulses)
     yield from comment(f"{leg.title}: impulses, of the phases {phases}")
     if burnt:
         before = ", ".join(f"{one.before_kg:.6f}" for one in burnt)
@@ -167,7 +167,7 @@ def _impulses(course: FlightCourse, leg: CourseLeg, axes: Axes, clock: UtcClock)
     mass, unit = ("DELTA_MASS, ", "kg, ") if burnt else ("", "")
     yield f"MAN_COMPOSITION = TIME_ABSOLUTE, MAN_DURA, {mass}DV_X, DV_Y, DV_Z"
     yield f"MAN_UNITS = [s, {unit}km/s, km/s, km/s]"
-    for number, burn in enumerate(leg.all_burns):
+    for number, burn in enumerate(leg.all_impulses):
         lost = f"{-burnt[number].lost_kg:.9f} " if burnt else ""
         x, y, z = axes.turned(np.array(burn.delta_v_m_s)) / 1e3
         yield f"{clock.label(burn.time_s)} 0.000000 {lost}{x:.12f} {y:.12f} {z:.12f}"

@@ -105,8 +105,8 @@ def _lines(
         yield from comment("The mass is a placeholder that the format asks for: the plan has none")
     yield f"MASS = {burnt[0].before_kg if burnt else MASS_KG:.6f} [kg]"
     for leg in course.legs:
-        masses = course.burnt.get(leg.number, (None,) * len(leg.all_burns))
-        for burn, mass in zip(leg.all_burns, masses, strict=True):
+        masses = course.burnt.get(leg.number, (None,) * len(leg.all_impulses))
+        for burn, mass in zip(leg.all_impulses, masses, strict=True):
             yield ""
             weighs = "" if mass is None else f", {mass.before_kg:.6f} kg before it"
             yield from comment(f"{leg.title}: {burn.phase}{weighs}")

@@ -186,7 +186,7 @@ def _burnt_after_thrust(leg: RefinedLeg) -> tuple[Burnt, ...]:
     """Propellant use of the burns of a leg with low thrust."""
     assert leg.thrust is not None
     left = leg.thrust.mass_kg * math.exp(-leg.thrust.delta_v_m_s / leg.thrust.exhaust_m_s)
-    return burnt_from(left, leg.burns, leg.thrust.exhaust_m_s)
+    return burnt_from(left, leg.impulses, leg.thrust.exhaust_m_s)
 
 
 def _propulsion(

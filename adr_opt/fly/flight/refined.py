@@ -122,7 +122,7 @@ def _fly_leg(
         raise ArithmeticError("no burn begins the approach; add the approach burns")
     chaser = world.coast(chaser, now, leg.arrival_s)
     burnt = math.fsum(burn.size_m_s for burn in leg.burns)
-    behind = bodies.following(leg.destination, leg.standoff_s, instance.transfer.standoff_m)
+    behind = bodies.standoff(leg, instance.transfer.standoff_m)
     target = bodies.state(leg.destination, leg.arrival_s)
     return RefinedLegFlight(
         leg=leg.leg,
@@ -161,7 +161,7 @@ class PlannedLeg(NamedTuple):
     body : (6,) float64
         The destination at the same time.
     standoff : (6,) float64
-        The point behind the destination when the approach begins.
+        That it is to have behind the destination, on the way with which the approach begins.
     """
 
     leg: RefinedLeg
@@ -194,10 +194,7 @@ def planned_legs(instance: Instance, refined: RefinedPlan) -> Iterator[PlannedLe
             else:
                 body = world.coast(there, end_s, begin_s)[:, 0]
             planned = PlannedLeg(
-                leg,
-                chaser,
-                body,
-                bodies.following(leg.destination, end_s, instance.transfer.standoff_m),
+                leg, chaser, body, bodies.standoff(leg, instance.transfer.standoff_m)
             )
         except ArithmeticError as error:
             raise InputError(f"leg {leg.leg}: cannot be flown: {error}") from None

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +28,7 @@ from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ..refine.leg import FlownImpulses, LegEnds, NoWay, cheapen, close
-from ..refine.one_leg import aim, planned_angles, with_a_middle
+from ..refine.one_leg import aim, docked, first_of_approach, parted, planned_angles
 from ..refine.own_burns import cheapest_near
 from ..refine.tow import along
 
@@ -115,10 +115,9 @@ class Aim:
         leg: Leg,
         lead_in: tuple[Burn, ...] = (),
     ) -> None:
-        first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
-        self._burns, self._approach = leg.burns[:first], leg.burns[first:]
-        if not self._burns:
-            raise NoWay("no burn comes before the approach")
+        self._burns, self._approach = parted(leg)
+        if not self._approach or self._burns[0].phase == "approach":
+            raise NoWay("no burn comes before the approach, or none begins it")
         self._origin, self._target = orbit_of[leg.origin], orbit_of[leg.destination]
         self._decays = instance.decay_of(leg.origin), instance.decay_of(leg.destination)
         self._instance, self._lead_in = instance, lead_in
@@ -133,18 +132,23 @@ class Aim:
         ArithmeticError
             No burns at the plan's times do.
         """
-        whole = self._course(1.0)
+        last = self._last()
+        begins = first_of_approach(last, self._instance.transfer, self._approach)
+        whole = self._course(1.0, begins)
         times = np.array([burn.time_s for burn in self._burns])
         planned = np.array([burn.delta_v_m_s for burn in self._burns])
         try:
-            flown = cheapest_near(whole, self._closed(times, planned), planned)
+            flown = cheapest_near(whole, self._closed(times, planned, begins), planned)
         except NoWay:
             flown = aim(whole, self._burns)  # with a few burns more
         if self._is_free:
             flown = cheapen(whole, flown)
-        return flown.delta_v_m_s + self._docking_m_s(flown)
+        rest = docked(
+            replace(last, start=flown.states[-1]), self._instance.transfer, self._approach
+        )
+        return flown.delta_v_m_s + rest.delta_v_m_s
 
-    def _closed(self, times: Array, planned: Array) -> FlownImpulses:
+    def _closed(self, times: Array, planned: Array, begins: Array) -> FlownImpulses:
         """Burns that reach the goal, at any cost.
 
         After months of drift a change of a burn by some metres per second is round the orbit by
@@ -152,13 +156,13 @@ class Aim:
         which the plan's burns arrive.
         """
         try:
-            return close(self._course(1.0), times, planned)
+            return close(self._course(1.0, begins), times, planned)
         except NoWay:
             pass
         share, step, burns = 0.0, 1.0 / GROWN, planned
         while share < 1.0:
             try:
-                closed = close(self._course(min(share + step, 1.0)), times, burns)
+                closed = close(self._course(min(share + step, 1.0), begins), times, burns)
             except NoWay:
                 step *= 0.5
                 if step < LEAST_GROWTH:
@@ -167,8 +171,8 @@ class Aim:
             share, burns = share + step, closed.impulses
         return closed
 
-    def _course(self, share: float) -> MeanCourse:
-        """Start and goal, with a share of all eccentricities."""
+    def _course(self, share: float, begins: Array) -> MeanCourse:
+        """Start and goal, on the way of the approach, with a share of all eccentricities."""
         origin, target = (
             orbit.replace(eccentricity=share * orbit.eccentricity)
             for orbit in (self._origin, self._target)
@@ -180,7 +184,7 @@ class Aim:
         goal = following(target, oblateness, standoff_s, rule.standoff_m, self._decays[1])
         return MeanCourse(
             start=start,
-            goal=goal,
+            goal=goal + np.r_[np.zeros(3), begins],
             start_s=start_s,
             end_s=standoff_s,
             angle=self._angles[0],
@@ -190,12 +194,12 @@ class Aim:
             oblateness_m2=oblateness,
         )
 
-    def _docking_m_s(self, flown: FlownImpulses) -> float:
-        """ΔV of the approach, from the stand-off to the target."""
+    def _last(self) -> MeanCourse:
+        """The approach, from rest at the stand-off to the target."""
         begin, end = self._approach[0].time_s, self._approach[-1].time_s
-        oblateness = self._instance.oblateness_m2
-        course = MeanCourse(
-            start=flown.states[-1],
+        rule, oblateness = self._instance.transfer, self._instance.oblateness_m2
+        return MeanCourse(
+            start=following(self._target, oblateness, begin, rule.standoff_m, self._decays[1]),
             goal=true_state(self._target, oblateness, end, self._decays[1]),
             start_s=begin,
             end_s=end,
@@ -203,7 +207,6 @@ class Aim:
             gravity=self._instance.dynamics,
             oblateness_m2=oblateness,
         )
-        return close(course, *with_a_middle(self._approach, self._angles[1])).delta_v_m_s
 
 
 def _led(

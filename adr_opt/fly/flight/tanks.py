@@ -19,11 +19,13 @@ from .result import TankFlight
 def burnt_m_s(leg: Leg) -> float:
     """ΔV of a leg between circles, tows excluded: on a grid of times, the sum of its burns.
 
-    What is set aside for eccentricity is left in.
+    What is set aside for eccentricity is left in; burns of one instant are one vector, unless the
+    price is that of free burns, and less than the plan's.
     """
+    aside = leg.eccentricity_delta_v_m_s
     if leg.traits.on_time_grid:
-        return leg.burns_delta_v_m_s + leg.eccentricity_delta_v_m_s
-    return leg.delta_v_m_s
+        return leg.burns_delta_v_m_s + aside
+    return leg.delta_v_m_s - (leg.at_once_m_s if aside >= 0.0 else 0.0)
 
 
 def plan_tanks(

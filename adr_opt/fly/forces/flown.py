@@ -295,6 +295,7 @@ def _arrivals(
     # The point that follows the body is where that was a moment ago.
     delay = standoff_m / math.hypot(*body[3:])
     following = world.coast([Moving(body, course.acting.body)], end_s + delay, end_s)[0]
+    following[3:] += planned.leg.approach_m_s or 0.0
     burns = {at: burn for at, burn in course.burns.items() if last_s <= at <= end_s}
     last = last_lap(Stretch(last_s, end_s, start, chaser), burns)
 

@@ -139,7 +139,8 @@ def _arcs(bodies: Whereabouts, leg: RefinedLeg, step: float) -> Iterator[tuple[A
         yield coast(phase, now, state, burn.time_s)
         state = moved(state, burn.time_s - now, gravity)
         state[3:] += burn.delta_v_m_s
-        now, phase = burn.time_s, burn.phase
+        now = burn.time_s
+        phase = "approach" if now >= leg.standoff_s else burn.phase
     yield docked("service", leg.destination, leg.arrival_s, leg.end_s)
     if leg.tow is not None:
         yield docked("wait", leg.destination, leg.end_s, leg.tow.start_s)

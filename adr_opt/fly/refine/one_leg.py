@@ -62,9 +62,8 @@ def refine_leg(
     ArithmeticError
         No trajectory was found.
     """
-    first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
-    before, approach = leg.burns[:first], leg.burns[first:]
-    start_s, standoff_s, docked_s = leg.burns[0].time_s, approach[0].time_s, approach[-1].time_s
+    before, approach = parted(leg)
+    start_s, standoff_s, docked_s = leg.leaves_s, approach[0].time_s, leg.docked_s
     length = instance.transfer.standoff_m
     transfer, to_target = planned_angles(instance, leg, lead_in)
     rule = instance.transfer
@@ -73,9 +72,18 @@ def refine_leg(
         start = bodies.state(leg.origin, start_s)
     else:
         start = moved(state_of(led.onward), start_s - led.released.time_s, bodies.gravity)
+    last = LegEnds(
+        bodies.following(leg.destination, standoff_s, length),
+        bodies.state(leg.destination, docked_s),
+        standoff_s,
+        docked_s,
+        to_target,
+        bodies.gravity,
+    )
+    begins = first_of_approach(last, rule, approach)
     course = LegEnds(
         start,
-        bodies.following(leg.destination, standoff_s, length),
+        last.start + np.r_[np.zeros(3), begins],
         start_s,
         standoff_s,
         transfer,
@@ -85,20 +93,9 @@ def refine_leg(
     )
     retargeted = aim(course, before)
     flown = cheapen(course, retargeted) if freedom == "free" else retargeted
-    last = LegEnds(
-        flown.states[-1],
-        bodies.state(leg.destination, docked_s),
-        standoff_s,
-        docked_s,
-        to_target,
-        bodies.gravity,
-    )
-    docking = (
-        close(last, *with_a_middle(approach, to_target))
-        if rule.approach == "half-lap"
-        else round_the_target(last, rule, [burn.time_s for burn in approach])
-    )
-    phases = _phases(() if freedom == "free" else before, flown)
+    last = replace(last, start=flown.states[-1])
+    docking = docked(last, rule, approach)
+    phases = _phases(() if freedom == "free" else leg.burns, flown)
     burns = [*_burns(flown, phases), *_burns(docking, ["approach"] * docking.times.size)]
     misses = residual(course, flown), residual(last, docking)
     return RefinedLeg(
@@ -118,6 +115,7 @@ def refine_leg(
         residual_m_s=max(miss[1] for miss in misses),
         burns=tuple(burns),
         states=tuple(_states(course, flown, docking)),
+        approach_m_s=tuple(begins.tolist()),
         tow_before=led,
         after_launch=True if after_launch and led is not None else None,
         tow=None if leg.tow is None else towed(instance, bodies, leg.destination, leg.tow.burns),
@@ -174,7 +172,32 @@ def aim(course: LegEnds, burns: tuple[Burn, ...]) -> FlownImpulses:
     raise no_way
 
 
-def with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
+def parted(leg: Leg) -> tuple[tuple[Burn, ...], tuple[Burn, ...]]:
+    """Impulses up to the stand-off, the vector there included, and burns of the approach."""
+    before = tuple(burn for burn in leg.impulses if burn.time_s <= (leg.standoff_s or 0.0))
+    return before, tuple(burn for burn in leg.burns if burn.phase == "approach")
+
+
+def first_of_approach(last: LegEnds, settings: SequenceSettings, burns: tuple[Burn, ...]) -> Array:
+    """What an approach begins with, from rest at the stand-off, shape (3,) [m/s].
+
+    The transfer ends with it: its last impulse is one vector with this.
+    """
+    if settings.approach == "half-lap":
+        begins: Array = close(last, *_with_a_middle(burns, last.angle)).impulses[0]
+        return begins
+    return _by_rule(last, approach_of(settings).burns[0], last.start)
+
+
+def docked(last: LegEnds, settings: SequenceSettings, burns: tuple[Burn, ...]) -> FlownImpulses:
+    """The rest of an approach that has begun."""
+    if settings.approach == "half-lap":
+        times, impulses = _with_a_middle(burns, last.angle)
+        return close(last, times[1:], impulses[1:])
+    return _round_the_target(last, settings, [burn.time_s for burn in burns])
+
+
+def _with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
     """Burns of the approach with another a quarter lap after the first.
 
     Half a lap after it an impulse across the plane has no effect: what the planes of the chaser
@@ -188,41 +211,45 @@ def with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
     return np.insert(times, 1, quarter), np.insert(impulses, 1, 0.0, axis=0)
 
 
-def round_the_target(
+def _by_rule(last: LegEnds, row: Array, state: Array) -> Array:
+    """A burn of a safety ellipse at a state, by its row of :class:`.Approach`, (3,) [m/s]."""
+    axis = 1.0 / (
+        2.0 / math.hypot(*last.goal[:3]) - float(last.goal[3:] @ last.goal[3:]) / MU_M3_S2
+    )
+    n, speed = math.sqrt(MU_M3_S2 / axis**3), math.hypot(*state[3:])
+    ahead, normal = state[3:] / speed, np.cross(state[:3], state[3:])
+    normal /= math.hypot(*normal)
+    outward = np.cross(ahead, normal)
+    made: Array = n * (row[1] * outward + row[2] * (n * axis / speed) * ahead + row[3] * normal)
+    return made
+
+
+def _round_the_target(
     last: LegEnds, settings: SequenceSettings, times_s: Sequence[float]
 ) -> FlownImpulses:
-    """A safety ellipse: its burns as they are by rule, and a capture that ends at the target.
+    """A safety ellipse after its first burn: by rule, and a capture that ends at the target.
 
     No burn before the capture is changed to reach anything: what keeps the chaser clear of the
     target if one is missed is their pattern.
     """
-    goal, rows = last.goal, approach_of(settings).burns
-    axis = 1.0 / (2.0 / math.hypot(*goal[:3]) - float(goal[3:] @ goal[3:]) / MU_M3_S2)
-    n = math.sqrt(MU_M3_S2 / axis**3)
+    rows = approach_of(settings).burns
     state, now, before, made = last.start, last.start_s, [], []
-    for row, time_s in zip(rows[:-2], times_s, strict=False):
+    for row, time_s in zip(rows[1:-2], times_s[1:], strict=False):
         state, now = moved(state, time_s - now, last.gravity), time_s
-        speed = math.hypot(*state[3:])
-        ahead = state[3:] / speed
-        normal = np.cross(state[:3], state[3:])
-        normal /= math.hypot(*normal)
-        outward = np.cross(ahead, normal)
-        impulse = n * (row[1] * outward + row[2] * (n * axis / speed) * ahead + row[3] * normal)
         before.append(state.copy())
-        made.append(impulse)
+        made.append(_by_rule(last, row, state))
         state = state.copy()
-        state[3:] += impulse
+        state[3:] += made[-1]
     begin_s, end_s = times_s[-2:]
     state = moved(state, begin_s - now, last.gravity)
     angle = last.angle * (end_s - begin_s) / (last.end_s - last.start_s)
     capture = replace(last, start=state, start_s=begin_s, angle=angle)
     at = np.array([begin_s, 0.5 * (begin_s + end_s), end_s])
-    normal = np.cross(state[:3], state[3:])
     towards = np.zeros((3, 3))
-    towards[0] = n * rows[-2, 3] * normal / math.hypot(*normal)
+    towards[0] = _by_rule(last, rows[-2] * [0.0, 0.0, 0.0, 1.0, 0.0], state)
     closed = close(capture, at, towards)
     return FlownImpulses(
-        np.r_[times_s[:-2], closed.times],
+        np.r_[times_s[1:-2], closed.times],
         np.vstack([made, closed.impulses]),
         np.vstack([before, closed.states]),
         closed.effects,

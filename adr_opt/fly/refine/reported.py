@@ -107,8 +107,8 @@ class ReportedBodies:
 
 def times_of(leg: Leg) -> tuple[float, float, float]:
     """Times of a leg's first burn, its stand-off and its docking [s]."""
-    standoff_s = next(burn.time_s for burn in leg.burns if burn.phase == "approach")
-    return leg.burns[0].time_s, standoff_s, leg.burns[-1].time_s
+    assert leg.standoff_s is not None
+    return leg.leaves_s, leg.standoff_s, leg.docked_s
 
 
 def delay_s(state: Array, length_m: float) -> float:

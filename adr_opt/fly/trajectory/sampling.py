@@ -209,7 +209,7 @@ def _arcs(
             found += _released(
                 instance, leg.origin, lead_in, (leg.departure_s, leg.leaves_s), step_s
             )
-        for burn, after in pairwise(leg.burns):
+        for burn, after in pairwise(leg.impulses):
             end = after.time_s
             velocity = velocity + np.array(burn.delta_v_m_s)
             times = _times(burn.time_s, end, step_s)

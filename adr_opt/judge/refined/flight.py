@@ -37,6 +37,9 @@ from .world import SAME_M, SAME_M_S, BodyStates, FreeMotion, Towing, begun, onwa
 
 Array = npt.NDArray[np.float64]
 
+MOST_BEGUN = 1.5
+"""Most that an approach begins with, as a share of what its rule says for a circle."""
+
 SAME_TIME_S = 1e-6
 """Tolerance between the time of a burn and that of the state after it."""
 
@@ -124,9 +127,7 @@ def _check_leg(judge: _Judge) -> Iterator[Violation]:
     passed, lowest_m, shadow_s = _flown(judge)
     yield from _check_states(leg, passed)
     goals = {
-        "stand-off": bodies.following(
-            leg.destination, leg.standoff_s, instance.transfer.standoff_m
-        ),
+        "stand-off": bodies.standoff(leg, instance.transfer.standoff_m),
         "arrival": bodies.state(leg.destination, leg.arrival_s),
     }
     for one in passed:
@@ -134,6 +135,7 @@ def _check_leg(judge: _Judge) -> Iterator[Violation]:
             yield from _off(
                 leg.leg, one.event, one.state, goals[one.event], f"that of {leg.destination!r}"
             )
+    yield from _check_begun(judge)
     if instance.transfer.approach == "safety-ellipse":
         yield from _check_missed(judge, passed)
     lowest_m = min(lowest_m, alone_m, _lowest_docked(judge, start))
@@ -179,6 +181,22 @@ def _flown(judge: _Judge) -> tuple[list[_Passed], float, float]:
     return passed, min(lowest, low), shadow_s
 
 
+def _check_begun(judge: _Judge) -> Iterator[Violation]:
+    """Check that the approach begins as its rule has it, but for what the eccentricity changes."""
+    leg, target = judge.leg, judge.bodies.state(judge.leg.destination, judge.leg.standoff_s)
+    axis = 1.0 / (2.0 / math.hypot(*target[:3]) - float(target[3:] @ target[3:]) / MU_M3_S2)
+    rule = math.sqrt(MU_M3_S2 / axis**3) * math.hypot(
+        *approach_of(judge.instance.transfer).burns[0, 1:4]
+    )
+    begins = math.hypot(*(leg.approach_m_s or (0.0,)))
+    if begins > MOST_BEGUN * rule:
+        yield Violation(
+            leg.leg,
+            "approach",
+            f"approach_m_s: it begins with {begins:.3g} m/s, but by its rule with {rule:.3g} m/s",
+        )
+
+
 def _check_missed(judge: _Judge, passed: list[_Passed]) -> Iterator[Violation]:
     """Check the stated burns of a safety ellipse, each up to the capture missed in turn."""
     leg, settings = judge.leg, judge.instance.transfer
@@ -186,13 +204,17 @@ def _check_missed(judge: _Judge, passed: list[_Passed]) -> Iterator[Violation]:
     until_s = leg.arrival_s - share * (leg.arrival_s - leg.standoff_s) + SAME_TIME_S
     made = [burn for burn in leg.burns if burn.phase == "approach" and burn.time_s <= until_s]
     target = judge.bodies.state(leg.destination, leg.standoff_s)
-    chaser = next(one.state for one in passed if one.event == "stand-off")
+    chaser = next(one.state for one in passed if one.event == "stand-off").copy()
+    burns = [(burn.time_s - leg.standoff_s, np.array(burn.delta_v_m_s)) for burn in made]
+    if leg.approach_m_s is not None:  # of one vector with the stop: missed after that
+        chaser[3:] -= leg.approach_m_s
+        burns = [(0.0, np.array(leg.approach_m_s)), *burns]
     axis = 1.0 / (2.0 / math.hypot(*target[:3]) - float(target[3:] @ target[3:]) / MU_M3_S2)
     least = nearest_m(
         target[None],
         chaser[None],
-        np.array([[burn.time_s - leg.standoff_s] for burn in made]),
-        lambda number, _: np.array(made[number].delta_v_m_s),
+        np.array([[since_s] for since_s, _ in burns]),
+        lambda number, _: burns[number][1],
         math.tau * np.sqrt(np.array([axis**3]) / MU_M3_S2),
     )
     yield from violations(leg.leg, leg.destination, least[:, 0], settings.keep_out_m)

@@ -158,8 +158,7 @@ def _times(found: RefinedLeg, leg: Leg, led: Tow | None) -> Iterator[tuple[str, 
     if leg.manoeuvres is not None:
         standoff_s = leg.manoeuvres[-1].end_s
     else:
-        approach = [burn.time_s for burn in leg.burns if burn.phase == "approach"]
-        standoff_s = approach[0] if approach else docked_s
+        standoff_s = docked_s if leg.standoff_s is None else leg.standoff_s
     yield "departure", found.states[0].time_s, start_s
     yield "standoff_s", found.standoff_s, standoff_s
     yield "arrival_s", found.arrival_s, docked_s

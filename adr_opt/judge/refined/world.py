@@ -219,12 +219,21 @@ class BodyStates:
         """State of a body at a time named by a leg, shape (6,)."""
         return self._known[name, time_s]
 
-    def following(self, name: str, time_s: float, length_m: float) -> Array:
-        """State of the point that follows a body on its orbit, slightly delayed."""
+    def standoff(self, leg: RefinedLeg, length_m: float) -> Array:
+        """State that a leg is to have at its stand-off, shape (6,).
+
+        Of the point that follows the destination on its orbit, slightly delayed, and on the way
+        with which the approach begins.
+        """
+        name, time_s = leg.destination, leg.standoff_s
         state = self._known[name, time_s]
+        delay_s = length_m / math.hypot(*state[3:])
         if self.reported is not None and name in self.reported.bodies:
-            return self.reported.state(name, time_s - length_m / math.hypot(*state[3:]))
-        return self._world.coast(state[:, None], length_m / math.hypot(*state[3:]), 0.0)[:, 0]
+            behind = self.reported.state(name, time_s - delay_s).copy()
+        else:
+            behind = self._world.coast(state[:, None], delay_s, 0.0)[:, 0].copy()
+        behind[3:] += leg.approach_m_s or 0.0
+        return behind
 
 
 class Towing(NamedTuple):

@@ -93,12 +93,15 @@ class MissionOutline:
         given: dict[str, Any] = {
             name: value for name, value in (wanted or {}).items() if value is not None
         }
-        burns, approach = given.pop("burns", burns_for(orbits)), given.pop("approach", "half-lap")
+        whatever = {name: given.pop(name) for name in WHATEVER_DRIFTS if name in given}
         made = TransferSettings().replace(**given)
         if self.dynamics == "j2":
             made = transfers_for(self.duration_s, orbits=orbits, **given)
-        return made.replace(burns=burns, approach=approach)
+        return made.replace(**{"burns": burns_for(orbits), **whatever})
 
+
+WHATEVER_DRIFTS = ("burns", "approach", "keep_out_m")
+"""Fields of transfers that sizes of the grid do not depend on."""
 
 A_WEEK = MissionOutline()
 
@@ -328,6 +331,7 @@ def _instance(
                 service_s=crew.service_s,
                 launch_separation_s=crew.separation_s,
                 disposal=crew.disposal,
+                max_lifetime_years=crew.max_lifetime_years,
             ),
             objective=crew.objective,
             dynamics=mission.dynamics,

@@ -54,6 +54,8 @@ class Crew:
         Mass of each target, all of which are towed; None if they are not.
     disposal : DisposalCircle or DisposalPerigee, optional
         The orbit that they are towed to.
+    max_lifetime_years : float, optional
+        How long they may stay in orbit once they are released.
     service_s : float, optional
         How long each service takes; None for one revolution of the target [s].
     thrust_n, duty_cycle : float, optional
@@ -69,6 +71,7 @@ class Crew:
     separation_s: float | None = None
     towed_kg: float | None = None
     disposal: Disposal | None = None
+    max_lifetime_years: float | None = None
     service_s: float | None = None
     thrust_n: float | None = None
     duty_cycle: float | None = None

@@ -14,7 +14,13 @@ from ...problem.chasers import AnyTank, AtStation, Chaser, InOrbit, Start, Tank
 from ...problem.disposal import Disposal
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from ...problem.settings import ApproachName, KeepOutZone, MissionSettings, TransferSettings
+from ...problem.settings import (
+    ApproachName,
+    BurnsName,
+    KeepOutZone,
+    MissionSettings,
+    TransferSettings,
+)
 from ...problem.transfer_sizes import transfers_for
 from .families import FAMILIES, Family, family
 from .stream import LARGEST_SEED, Uniform, stream
@@ -98,7 +104,7 @@ SUFFIX = "-fitted"
 """Suffix of the names of such instances, which state no numbers and are in no library."""
 
 
-def fitted(
+def fitted(  # noqa: PLR0913
     instance: Instance,
     *,
     tank: AnyTank | None = None,
@@ -106,14 +112,17 @@ def fitted(
     kit_mass_kg: float | None = None,
     towed_kg: float | None = None,
     disposal: Disposal | None = None,
+    max_lifetime_years: float | None = None,
+    burns: BurnsName | None = None,
     approach: ApproachName | None = None,
+    keep_out_m: float | None = None,
 ) -> Instance:
-    """The instance with other tanks or approaches, with kits or tows; unchanged without arguments.
+    """The instance with other tanks or transfers, with kits or tows; unchanged without arguments.
 
     Parameters
     ----------
     instance : Instance
-    tank, kits, kit_mass_kg, towed_kg, disposal, approach
+    tank, kits, kit_mass_kg, towed_kg, disposal, max_lifetime_years, burns, approach, keep_out_m
         As :func:`adr_opt.generate` takes them.
 
     Raises
@@ -125,6 +134,8 @@ def fitted(
         raise InputError("a target takes a kit or is towed; give kits or a mass to tow")
     if (towed_kg is None) != (disposal is None):
         raise InputError("a tow needs a mass and a disposal orbit; give both or none")
+    if max_lifetime_years is not None and disposal is None:
+        raise InputError(f"lifetime = {max_lifetime_years:g} years: nothing is released; say a tow")
     carried = instance.chasers[0].kits is not None
     if kit_mass_kg is not None and kits is None and (not carried or towed_kg is not None):
         raise InputError(f"kit mass = {kit_mass_kg:g} kg: there are no kits; say how many")
@@ -139,14 +150,15 @@ def fitted(
     if towed_kg is not None:
         of_chasers |= {"kits": None, "kit_mass_kg": 0.0}
         of_targets |= {"removal": "tow", "mass_kg": towed_kg}
-    transfer = instance.transfer
-    if approach is not None:
-        transfer = transfer.replace(approach=approach)
+    of_transfers = {"burns": burns, "approach": approach, "keep_out_m": keep_out_m}
+    transfer = instance.transfer.replace(
+        **{name: value for name, value in of_transfers.items() if value is not None}
+    )
     if not of_chasers and not of_targets and transfer == instance.transfer:
         return instance
     mission = instance.mission
     if disposal is not None:
-        mission = mission.replace(disposal=disposal)
+        mission = mission.replace(disposal=disposal, max_lifetime_years=max_lifetime_years)
     return instance.replace(
         name=f"{instance.name}{SUFFIX}",
         chasers=tuple(chaser.replace(**of_chasers) for chaser in instance.chasers),
@@ -182,7 +194,10 @@ def generate(  # noqa: PLR0913
     kit_mass_kg: float | None = None,
     towed_kg: float | None = None,
     disposal: Disposal | None = None,
+    max_lifetime_years: float | None = None,
+    burns: BurnsName | None = None,
     approach: ApproachName | None = None,
+    keep_out_m: float | None = None,
 ) -> Instance:
     """Draw an instance.
 
@@ -210,8 +225,14 @@ def generate(  # noqa: PLR0913
         Instead of kits: each target has this mass [kg] and is towed; needs a tank by mass.
     disposal : DisposalCircle or DisposalPerigee, optional
         The orbit that targets are towed to, where they are.
+    max_lifetime_years : float, optional
+        How long these may stay in orbit once they are released.
+    burns : {"sequence", "free"}, optional
+        By which short legs are priced; by default those of the sequence.
     approach : {"half-lap", "safety-ellipse"}, optional
         Of every transfer; by default half a lap.
+    keep_out_m : float, optional
+        Distance that a safety ellipse keeps [m].
 
     Raises
     ------
@@ -268,7 +289,10 @@ def generate(  # noqa: PLR0913
         kit_mass_kg=kit_mass_kg,
         towed_kg=towed_kg,
         disposal=disposal,
+        max_lifetime_years=max_lifetime_years,
+        burns=burns,
         approach=approach,
+        keep_out_m=keep_out_m,
     )
 
 

@@ -164,6 +164,8 @@ def of_leg(leg: Leg) -> Card:
     ]
     if leg.removal_burns:
         facts.append("with a tow")
-    burns = [(burn.phase, f"{burn.time_s:,.1f}", f"{burn.size_m_s:,.3f}") for burn in leg.all_burns]
+    burns = [
+        (burn.phase, f"{burn.time_s:,.1f}", f"{burn.size_m_s:,.3f}") for burn in leg.all_impulses
+    ]
     tables = (CardTable(("burn", "time s", "ΔV m/s"), burns),) if burns else ()
     return Card("Leg", f"{leg.origin!r} → {leg.destination!r}", tuple(facts), (), tables)

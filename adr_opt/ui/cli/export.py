@@ -111,7 +111,7 @@ def command(
             "dynamics": instance.dynamics,
             "arcs": len(arcs),
             "states": sum(arc.times_s.size for arc in arcs),
-            "burns": sum(len(path.leg.burns) for path in written.legs),
+            "burns": sum(len(path.leg.impulses) for path in written.legs),
             "start_s": written.start_s,
             "end_s": written.end_s,
         }
@@ -171,7 +171,7 @@ def _refined(
         "dynamics": refined.gravity,
         "arcs": len(written),
         "states": sum(track.arc.times_s.size for track in written),
-        "burns": 0 if body else sum(len(one.burns) for one in legs),
+        "burns": 0 if body else sum(len(one.impulses) for one in legs),
         "start_s": written[0].arc.start_s,
         "end_s": written[-1].arc.end_s,
     }

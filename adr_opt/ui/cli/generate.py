@@ -13,7 +13,7 @@ from .param import fitting_options
 from .parameters import check_out
 
 if TYPE_CHECKING:
-    from ...problem.settings import ApproachName
+    from ...problem.settings import ApproachName, BurnsName
 
 
 @click.command("generate", short_help="Draw an instance of a family.")
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 @param.count("--chasers", "N", "Number of chasers; by default the family's.")
 @param.count("--stations", "M", "Number of stations; by default the family's.")
 @fitting_options("by default the family's")
+@param.burns
 @param.approach
+@param.keep_out
 @param.file("--out", "Instance file to write; by default it is printed.")
 @param.as_json
 @param.quiet
@@ -35,7 +37,9 @@ def command(
     zones: int,
     chasers: int | None,
     stations: int | None,
+    burns: BurnsName | None,
     approach: ApproachName | None,
+    keep_out: float | None,
     out: str | None,
     as_json: bool,
     quiet: bool,
@@ -44,7 +48,7 @@ def command(
     """Draw an instance of FAMILY.
 
     FAMILY is tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large, sso,
-    rocket-bodies, removal, electric or fragment-cloud. With other tanks, kits, tows or approaches
+    rocket-bodies, removal, electric or fragment-cloud. With other tanks, kits, tows or transfers
     the same field is drawn, and its name ends in -fitted.
     """
     from ...common.files import write_text
@@ -72,7 +76,10 @@ def command(
         kit_mass_kg=fitting.kit_mass,
         towed_kg=fitting.tow,
         disposal=fitting.disposal,
+        max_lifetime_years=fitting.max_lifetime,
+        burns=burns,
         approach=approach,
+        keep_out_m=keep_out,
     )
     text = instance.to_json()
     if out is not None:

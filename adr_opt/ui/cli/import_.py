@@ -121,12 +121,9 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 )
 @param.number("--departure-spacing-days", "D", "Least time between departures.")
 @param.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
-@click.option(
-    "--burns",
-    type=click.Choice(["sequence", "free"]),
-    help="Burns that short legs are priced by; by default free if any orbit is eccentric.",
-)
+@param.burns
 @param.approach
+@param.keep_out
 @param.flag("--only-prized", "Only objects with a row in --prizes.")
 @param.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
 @param.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
@@ -158,6 +155,7 @@ def command(
     resolution: float | None,
     burns: Literal["sequence", "free"] | None,
     approach: ApproachName | None,
+    keep_out: float | None,
     only_prized: bool,
     criticality: bool,
     ephemerides: bool,
@@ -205,6 +203,7 @@ def command(
         resolution,
         burns,
         approach,
+        keep_out,
     ).outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by)
     with naming_options(), busy_bar(wanted(as_json, quiet), "reading objects"):
         found = catalogue.read(files, skip_bad=skip_bad)

@@ -93,6 +93,12 @@ seed = click.option(
 approach = choice(
     "--approach", ("half-lap", "safety-ellipse"), "How targets are approached; default half-lap."
 )
+burns = choice(
+    "--burns",
+    ("sequence", "free"),
+    "Burns that short legs are priced by; by default free if an imported orbit is eccentric.",
+)
+keep_out = number("--keep-out", "M", "Distance that a safety ellipse keeps; default 200.")
 
 
 def fitting_options(usual: str) -> Callable[[Function], Function]:
@@ -107,5 +113,9 @@ def fitting_options(usual: str) -> Callable[[Function], Function]:
         number("--tow", "KG", "Mass of each target, which is to be towed."),
         number(
             "--disposal-altitude", "KM", "Altitude of the circular orbit that targets are towed to."
+        ),
+        number("--disposal-perigee", "KM", "Instead: altitude that perigees are lowered to."),
+        number(
+            "--max-lifetime", "YEARS", "How long a released target may stay in orbit; no default."
         ),
     )

@@ -148,7 +148,7 @@ def _tell_legs(refined: RefinedPlan) -> None:
         ("planned\nm/s", lambda leg: f"{leg.planned_delta_v_m_s:.1f}"),
         ("own burns\nm/s", lambda leg: f"{leg.retargeted_delta_v_m_s:.1f}"),
         ("flown\nm/s", lambda leg: f"{leg.flown_delta_v_m_s:.1f}"),
-        ("burns", lambda leg: str(len(leg.burns))),
+        ("burns", lambda leg: str(len(leg.impulses))),
         ("lowest\nkm", lambda leg: f"{leg.lowest_altitude_m / 1e3:.0f}"),
     ]
     if any(leg.removal_m_s for leg in refined.legs):

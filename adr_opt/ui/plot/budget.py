@@ -104,7 +104,7 @@ def has_burns(plan: Plan) -> bool:
     """Whether burns of a plan can be set against its costs: it has some, or no leg at all."""
     kinds = {leg.kind for leg in plan.legs}
     without = {GIVEN.name, LOW_THRUST.name} & kinds
-    return not without or any(leg.burns for leg in plan.legs)
+    return not without or any(leg.impulses for leg in plan.legs)
 
 
 def costs_chart(plan: Plan, refined: RefinedPlan | None = None) -> Chart:
@@ -201,7 +201,7 @@ def _of_chaser(instance: Instance, flown: Flown) -> Budget:
         # Free burns take less than those that are planned between circles.
         if (leg.traits.on_time_grid or aside < 0.0) and burned > 0.0:
             share = (leg.delta_v_m_s - max(aside, 0.0)) / burned
-        for burn in leg.burns[:-1]:
+        for burn in leg.impulses[:-1]:
             left -= share * burn.size_m_s
             rows.append((burn.time_s, left, number, False))
         rows.append((leg.arrival_s, after_leg, number, False))

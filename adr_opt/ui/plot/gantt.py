@@ -74,7 +74,7 @@ def _of_leg(instance: Instance, number: int, leg: Leg, *, waits: bool) -> Iterat
     stay = "refuelling" if leg.destination in instance.station_names else "service"
     if waits and not leg.traits.from_nowhere:
         yield Segment(number, "wait", leg.ready_s, leg.leaves_s)
-    for burn, after in pairwise(leg.burns):
+    for burn, after in pairwise(leg.impulses):
         yield Segment(number, burn.phase, burn.time_s, after.time_s)
     if leg.manoeuvres is not None and len(leg.manoeuvres) == 2:
         yield from _of_thrust(number, leg, *leg.manoeuvres)

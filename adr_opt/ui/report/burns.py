@@ -86,7 +86,7 @@ def impulses(
 def _planned(plan: Plan, tracks: tuple[Track, ...]) -> Iterator[ReportedBurn]:
     for number, leg in enumerate(plan.legs, start=1):
         arcs = [track for track in tracks if track.leg == number]
-        for burn in leg.all_burns:
+        for burn in leg.all_impulses:
             begun = next(
                 (arc for arc in arcs if abs(arc.times_s[0] - burn.time_s) < SHORTEST_ARC_S), None
             )
@@ -99,7 +99,7 @@ def _planned(plan: Plan, tracks: tuple[Track, ...]) -> Iterator[ReportedBurn]:
 
 def _refined(refined: RefinedPlan) -> Iterator[ReportedBurn]:
     for leg in refined.legs:
-        for burn in leg.burns:
+        for burn in leg.impulses:
             states = [s for s in leg.states if abs(s.time_s - burn.time_s) < SHORTEST_ARC_S]
             local = None
             if states:

@@ -140,7 +140,7 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
         ("own burns m/s, stated", "n", lambda leg: fixed(leg.retargeted_delta_v_m_s, 1)),
         ("flown m/s", "n", lambda leg: fixed(leg.flown_delta_v_m_s, 1)),
         ("more m/s", "n", _more),
-        ("burns", "n", lambda leg: str(len(leg.burns))),
+        ("burns", "n", lambda leg: str(len(leg.impulses))),
         ("lowest km, stated", "n", lambda leg: fixed(leg.lowest_altitude_m / 1e3, 0)),
         ("residual m, stated", "n", lambda leg: _small(leg.residual_m)),
         ("residual m/s, stated", "n", lambda leg: _small(leg.residual_m_s)),

@@ -232,12 +232,11 @@ def _spirals(instance: Instance, flown: Flown, drawn: tuple[DrawnArc, ...]) -> l
 
 
 def _leg(leg: Leg, chaser: int, at: dict[str, int]) -> dict[str, Any]:
-    standoff = next((burn.time_s for burn in leg.burns if burn.phase == "approach"), None)
     return {
         "chaser": chaser,
         "to": at.get(leg.destination),
         "leaves": leg.leaves_s,
-        "standoff": standoff,
+        "standoff": leg.standoff_s,
         "docked": leg.docked_s,
         "launch": leg.traits.from_nowhere,
     }

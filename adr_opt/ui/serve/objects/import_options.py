@@ -76,6 +76,8 @@ OPTIONS: tuple[JobOption, ...] = (
     number("kit_mass", "Mass of a kit", "kg"),
     number("tow", "Mass of a towed target", "kg", "each target is towed"),
     number("disposal_altitude", "Disposal altitude", "km", "to which targets are towed"),
+    number("disposal_perigee", "Disposal perigee", "km", "instead, apogees stay"),
+    number("max_lifetime", "Longest lifetime", "a", "of released targets, in orbit"),
     number("launches", "Launches", "", "chasers launched, each to its first target", whole=True),
     number("launch_every", "Interval between launches", "d", "365 by default; 0 for one rocket"),
     number("launch_separation", "Least interval between launches", "d", "times are optimised"),
@@ -89,6 +91,7 @@ OPTIONS: tuple[JobOption, ...] = (
     number("resolution", "Least saving of a transfer", "m/s"),
     choice("burns", "Burns of short legs", ("sequence", "free"), None, "empty: by eccentricity"),
     choice("approach", "Approach", ("half-lap", "safety-ellipse"), "half-lap", "to targets"),
+    number("keep_out", "Distance kept", "m", "by a safety ellipse; 200 by default"),
     flag("ephemerides", "Fit orbits to the element sets", "which are kept beside the instance"),
 )
 """All options but for files, of which those count that were dropped."""

@@ -1,0 +1,29 @@
+"""Free burns, safety ellipses and releases at once, against enumeration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from against_enumeration import held, held_costs
+from random_rules import free_mission, full_mission
+from seeds import over_kinds
+
+from adr_opt.mission.problem import Problem
+from adr_opt.problem.instance import Instance
+
+Draw = Callable[[int], Instance]
+
+
+@over_kinds("draw, seeds", full=(full_mission, range(300), 3), free=(free_mission, range(300), 2))
+def test_enumeration_knows_no_better_plans(draw: Draw, seeds: range) -> None:
+    """What is planned passes `check`, and nothing above what is proven can be flown."""
+    found = held((Problem(draw(seed)) for seed in seeds), "auto")
+    flown = sum(len(result.plan.legs) for _, result in found if result.plan)
+    assert len(seeds) < 20 or flown > len(seeds)
+
+
+@pytest.mark.slow
+def test_costs_are_those_of_enumeration() -> None:
+    """The same of the cost that is proven least."""
+    held_costs(Problem(full_mission(seed)) for seed in range(100))
