@@ -1,7 +1,7 @@
 """Proofs: what they take, what verifying them takes, and those of campaigns by columns alone.
 
 python bench/proofs.py verify nominal --count 20
-python bench/proofs.py lists nominal-000 nominal-018 --plain
+python bench/proofs.py lists nominal-000 nominal-018
 python bench/proofs.py columns campaign 0-19 --limit 120
 python bench/proofs.py set-up
 python bench/proofs.py captures 0-19
@@ -12,7 +12,6 @@ from __future__ import annotations
 import resource
 import sys
 import time
-from contextlib import nullcontext
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -27,7 +26,6 @@ from adr_opt.common.errors import InputError
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import MaxIterations
 from adr_opt.judge.verify.lists import Lists
-from adr_opt.judge.verify.plain import plain as plain_core
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.result import Result
 from adr_opt.plan.certificate import Certificate
@@ -95,13 +93,13 @@ def verify(
         )
 
 
-def lists(*fields: str, plain: bool = False, certificates: str = "", limit: float = 300.0) -> None:
+def lists(*fields: str, certificates: str = "", limit: float = 300.0) -> None:
     """Cost of checking a proof by its list of closed labels.
 
     For each field of the library its certificate in ``instances/certificates``, or in a folder of
     ``--certificates``, or that of a proof by ``exact``. Without sampled connections: ``verify``
     makes the list and writes it, and checks it once more from the file, with the rows of labels
-    that dominate. ``--plain``: then nothing of the core is compiled.
+    that dominate.
     """
     head(
         *("field", "bound", "labels made", "labels in the list", "ends", "list, MB"),
@@ -129,8 +127,7 @@ def lists(*fields: str, plain: bool = False, certificates: str = "", limit: floa
             given.checked = [each._replace(row=None) for each in listed]
             given.save(Path(folder) / "narrow.npz", certificate)
             sizes.append((Path(folder) / "narrow.npz").stat().st_size)
-            with plain_core() if plain else nullcontext():
-                checked, _, checking = _verified(entry.generate(), certificate, labels=path)
+            checked, _, checking = _verified(entry.generate(), certificate, labels=path)
         row(
             name,
             f"{checked.upper_bound:g}",

@@ -14,14 +14,11 @@ import numpy.typing as npt
 from adr_opt.common.constants import SLACK_S
 from adr_opt.judge.verify.closed import FINE, ClosedLabels, Finder, Question, ends_of, is_answer
 from adr_opt.judge.verify.completion import still
-from adr_opt.judge.verify.cuts import tolls
+from adr_opt.judge.verify.cuts import WORD
 from adr_opt.judge.verify.legs import Legs
 from adr_opt.kernels.core.compile import kernel
 
 Array = npt.NDArray[Any]
-
-BLOCK = 64
-"""Number of labels first compared at once."""
 
 
 class Expanded(NamedTuple):
@@ -68,44 +65,62 @@ def _known(legs: Legs, labels: ClosedLabels) -> KnownLabels:
 
 
 @kernel
-def _covering(legs, toll, known, labels, own):
+def _covering(layers, heavy, toll, first, listed, labels, own):
     """Position of a known label that dominates each of some labels, −1 for none.
 
     Parameters
     ----------
-    legs : Legs
+    layers : int
+        Numbers of kits that there may be aboard.
+    heavy : bool
+        Whether kits weigh something.
     toll : (cuts,) int64
-    known : KnownLabels
+    first : (places + 1,) int64
+    listed : ClosedLabels
+        As :class:`KnownLabels` has them.
     labels : ClosedLabels
     own : (labels,) int64
         Their own positions, where they are among the known: then only those before count.
     """
-    cargo, listed = legs.terms.cargo, known.labels
-    layers, found = cargo.full.size, np.full(labels.body.size, -1)
+    all_left, all_value, all_worth = listed.left, listed.value, listed.worth
+    all_counts, all_memory, all_odd = listed.counts, listed.memory, listed.odd
+    found = np.full(labels.body.size, -1)
     for row in range(labels.body.size):
         kits = labels.kits[row]
         left, value, worth = labels.left[row], labels.value[row], labels.worth[row]
-        for aboard in range(kits, kits + 1 if cargo.heavy else layers):
+        for aboard in range(kits, kits + 1 if heavy else layers):
             place = labels.body[row] * layers + aboard
-            low, end = known.first[place], known.first[place + 1]
+            low, end = first[place], first[place + 1]
             end = low + np.searchsorted(listed.time[low:end], labels.time[row], side="right")
             if aboard == kits and own[row] >= 0:
                 end = min(end, own[row])
-            size = BLOCK
-            while found[row] < 0 and end > low:  # the latest are likely to, but any will do
-                begin = max(low, end - size)
-                good = (listed.left[begin:end] >= left) & (listed.value[begin:end] >= value)
-                good &= listed.worth[begin:end] >= worth
-                for kind in range(labels.counts.shape[0]):
-                    good &= listed.counts[kind, begin:end] <= labels.counts[kind, row]
-                for word in range(labels.memory.shape[0]):
-                    good &= listed.memory[word, begin:end] & ~labels.memory[word, row] == 0
-                if toll.size and good.any():
-                    odd = listed.odd[:, begin:end] & ~labels.odd[:, row : row + 1]
-                    good &= listed.value[begin:end] - tolls(odd, toll) >= value
-                if good.any():
-                    found[row] = begin + np.argmax(good)
-                end, size = begin, 2 * size
+            for at in range(end - 1, low - 1, -1):  # the latest are likely to, but any will do
+                if all_left[at] < left or all_value[at] < value or all_worth[at] < worth:
+                    continue
+                good = True
+                for word in range(all_memory.shape[0]):
+                    good = good and all_memory[word, at] & ~labels.memory[word, row] == 0
+                for kind in range(all_counts.shape[0]):
+                    good = good and all_counts[kind, at] <= labels.counts[kind, row]
+                ahead = all_value[at] - value
+                for cut in range(toll.size if good else 0):
+                    word, bit = cut // WORD, np.int64(1) << (cut % WORD)
+                    if all_odd[word, at] & ~labels.odd[word, row] & bit:
+                        ahead -= toll[cut]
+                if good and ahead >= 0:
+                    found[row] = at
+                    break
+            if found[row] >= 0:
+                break
+    return found
+
+
+def _covered(
+    legs: Legs, question: Question, known: KnownLabels, labels: ClosedLabels, own: Array
+) -> Array:
+    cargo = legs.terms.cargo
+    layers, toll = cargo.full.size, question.cuts.toll
+    found: Array = _covering(layers, cargo.heavy, toll, known.first, known.labels, labels, own)
     return found
 
 
@@ -118,7 +133,7 @@ def finder(legs: Legs, question: Question, labels: ClosedLabels) -> Finder:
     known = _known(legs, labels)
 
     def find(others: ClosedLabels) -> Array:
-        found = _covering(legs, question.toll, known, others, _nowhere(others))
+        found = _covered(legs, question, known, others, _nowhere(others))
         rows: Array = np.append(known.order, -1)[found]
         return rows
 
@@ -135,7 +150,7 @@ def expand(legs: Legs, question: Question, starts: ClosedLabels) -> Expanded:
     Labels are gone through in windows of time shorter than every leg, so that all of a window are
     there when it begins.
     """
-    pending, closed, toll = [starts], [starts.at(np.s_[:0])], question.toll
+    pending, closed = [starts], [starts.at(np.s_[:0])]
     active, made = closed[0], starts.body.size
     while any(part.body.size for part in pending):
         waiting = _joined(pending)
@@ -147,12 +162,12 @@ def expand(legs: Legs, question: Question, starts: ClosedLabels) -> Expanded:
         active = _useful(question, active, begin)
         known = _known(legs, _joined([active, due]))
         own = np.argsort(known.order)[active.body.size :]
-        fresh = due.at(_covering(legs, toll, known, due, own) < 0)
+        fresh = due.at(_covered(legs, question, known, due, own) < 0)
         closed.append(fresh)
         active = _joined([active, fresh])
         known = _known(legs, active)
         for ends in ends_of(legs, question, fresh):
-            more = ends.at(_covering(legs, toll, known, ends, _nowhere(ends)) < 0)
+            more = ends.at(_covered(legs, question, known, ends, _nowhere(ends)) < 0)
             pending.append(more)
             made += more.body.size
     return Expanded(False, _joined(closed), made)

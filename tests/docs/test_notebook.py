@@ -14,7 +14,8 @@ nbclient = pytest.importorskip("nbclient")
 for package in ("ipykernel", "matplotlib", "plotly"):
     pytest.importorskip(package)
 
-TOUR = Path(__file__).parents[2] / "examples" / "tour.ipynb"
+ROOT = Path(__file__).parents[2]
+TOUR, FIVE = ROOT / "examples" / "tour.ipynb", ROOT / "examples" / "five-targets.ipynb"
 
 
 def said(notebook: Any) -> list[str]:
@@ -60,9 +61,21 @@ def test_the_tour_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert os.path.getsize(tmp_path / "mission.html") < 6e6
 
 
-def test_the_tour_is_small_and_names_no_machine() -> None:
-    """The committed notebook stays under a megabyte and holds no path of where it was run."""
-    text = TOUR.read_text(encoding="utf-8")
+def test_the_five_targets_are_those_of_the_page() -> None:
+    """The notebook has the Python of *Checking a proof*, which a test runs, and what it prints."""
+    page = (ROOT / "docs" / "checking-a-proof.md").read_text(encoding="utf-8")
+    notebook = nbformat.read(FIVE, as_version=4)
+    nbformat.validate(notebook)
+    cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    code = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert [cell.source + "\n" for cell in cells] == code
+    assert said(notebook) == re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+
+
+@pytest.mark.parametrize("notebook", [TOUR, FIVE], ids=lambda path: path.stem)
+def test_notebooks_are_small_and_name_no_machine(notebook: Path) -> None:
+    """A committed notebook stays under a megabyte and holds no path of where it was run."""
+    text = notebook.read_text(encoding="utf-8")
     assert len(text) < 1_000_000
     assert "stderr" not in text
     assert not re.search(r"/(home|tmp|usr|work|root)/", text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import os
 import re
 import runpy
@@ -110,6 +111,18 @@ def test_links_out_of_docs_are_kept_or_become_text(site: Path) -> None:
     text = (site / "report.html").read_text(encoding="utf-8")
     assert 'href="examples/tour.ipynb"' in text
     assert (site / "examples" / "tour.ipynb").is_file()
+
+
+def test_the_core_of_verify_is_listed(site: Path) -> None:
+    """The site has both files of the core from the first line to the last."""
+    text = html.unescape(
+        re.sub(r"<[^>]*>", "", (site / "core-listing.html").read_text(encoding="utf-8"))
+    )
+    for name in ("closed", "completion"):
+        path = ROOT / "adr_opt" / "judge" / "verify" / f"{name}.py"
+        lines = path.read_text(encoding="utf-8").strip().splitlines()
+        assert lines[0] in text
+        assert lines[-1] in text
 
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")

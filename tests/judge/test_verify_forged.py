@@ -25,7 +25,7 @@ from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 
 Draft = dict[str, Any]
-FORGED = 200
+FORGED = 216
 """Number of forged certificates."""
 
 
@@ -52,10 +52,10 @@ class Case:
 @pytest.fixture(scope="module")
 def cases() -> list[Case]:
     """Missions whose proofs rest on walks."""
-    found = [Case(variant(seed)) for seed in range(40)]
-    fallen = [Case(falling(variant(seed), seed)) for seed in range(40, 52)]
+    found = [Case(variant(seed)) for seed in range(20)]
+    fallen = [Case(falling(variant(seed), seed)) for seed in range(40, 46)]
     kinds = ([case for case in each if case.certificate.walks] for each in (found, fallen))
-    return [case for kind, most in zip(kinds, (20, 4), strict=True) for case in kind[:most]]
+    return [case for kind, most in zip(kinds, (10, 3), strict=True) for case in kind[:most]]
 
 
 def lower_bound(draft: Draft, plan: Draft, case: Case, rng: np.random.Generator) -> None:
@@ -247,10 +247,13 @@ def read(text: str) -> Certificate:
     return parse_model(text, Certificate, "forged.json")
 
 
+@pytest.mark.parametrize(
+    "draws", [3, pytest.param(FORGED // len(FORGERIES), marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("forge", FORGERIES, ids=lambda forge: forge.__name__)
-def test_forgeries_are_refused(cases, forge):
-    """Two hundred certificates, each made false or at odds with itself, are refused."""
-    for number in range(-(-FORGED // len(FORGERIES))):
+def test_forgeries_are_refused(cases, forge, draws):
+    """Certificates, each made false or at odds with itself, are refused."""
+    for number in range(draws):
         case = cases[number % len(cases)]
         rng = np.random.default_rng([FORGERIES.index(forge), number])
         draft, plan = case.draft, json.loads(case.plan.to_json())
@@ -272,10 +275,11 @@ def test_the_cases_are_good_ones(cases):
     assert remembering > 0
 
 
-def test_whatever_is_changed_what_is_accepted_is_true(cases):
+@pytest.mark.parametrize("draws", [50, pytest.param(150, marks=pytest.mark.slow)])
+def test_whatever_is_changed_what_is_accepted_is_true(cases, draws):
     """Numbers and memories are changed at random: a bound that is verified is no less than best."""
     accepted = 0
-    for number in range(150):
+    for number in range(draws):
         case = cases[number % len(cases)]
         rng = np.random.default_rng([99, number])
         draft, names = case.draft, list(case.instance.names)
@@ -299,7 +303,7 @@ def test_whatever_is_changed_what_is_accepted_is_true(cases):
             accepted += 1
             off = 1e-9 + max(1e-6 * case.best, 0.5 * (draft["prize_step"] or 0.0))
             assert draft["upper_bound"] >= case.best - off, (number, draft)
-    assert accepted > 5
+    assert accepted > draws / 30
 
 
 @pytest.mark.parametrize("number", [1e-300, 1e-9, 1e17, 1e99, 1e101])

@@ -20,9 +20,9 @@ from seeds import over_kinds
 from verify_fields import Spoilt
 
 import adr_opt
+from adr_opt.judge.check.connections import sample_connections
 from adr_opt.judge.check.leg import Physics
-from adr_opt.judge.verify.sampling import sample_connections
-from adr_opt.judge.verify.sequences import ways_after
+from adr_opt.judge.check.sequences import ways_after
 from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.legs.connections import Connections
 from adr_opt.legs.families.family import Way

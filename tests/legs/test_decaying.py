@@ -16,7 +16,7 @@ from adr_opt.fly.flight import fly_mean
 from adr_opt.fly.flight.retargeted import true_state
 from adr_opt.fly.trajectory.bodies import body_states
 from adr_opt.judge.check.leg import Physics
-from adr_opt.judge.verify.sequences import ways_after
+from adr_opt.judge.check.sequences import ways_after
 from adr_opt.kernels.orbits import elements, ephemeris
 from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.legs.nearest_pairs import neighbours

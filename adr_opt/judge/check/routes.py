@@ -277,11 +277,11 @@ def _check_service(
 
     Where the destination is towed there has to be time for that, too.
     """
-    stay = _service_s(instance, elements, leg.destination in bodies.stations)
+    stay = service_s(instance, elements, leg.destination in bodies.stations)
     intervals, capture = bodies.windows.get(leg.destination, (ALWAYS, None))
     capture = stay if capture is None else capture
     # At a closing edge, within the slack, one stay begins at once and another one waits.
-    begins = [_begins(intervals, arrival, capture - slack) for slack in (SLACK_S, -SLACK_S)]
+    begins = [begin_of(intervals, arrival, capture - slack) for slack in (SLACK_S, -SLACK_S)]
     begin = min(begins, key=lambda begin: abs(leg.end_s - begin - stay))
     end = begin + stay
     closes = max(intervals[intervals[:, 0] <= begin, 1].tolist(), default=-math.inf)
@@ -300,7 +300,7 @@ def _check_service(
     return end
 
 
-def _begins(intervals: FloatArray, arrival: float, capture: float) -> float:
+def begin_of(intervals: FloatArray, arrival: float, capture: float) -> float:
     """Begin of a stay: the first from arrival on whose capture lies within an interval.
 
     Where there is none, as if the first interval did not end.
@@ -310,7 +310,7 @@ def _begins(intervals: FloatArray, arrival: float, capture: float) -> float:
     return float(begins[np.argmax(fits)]) if begins.size else arrival
 
 
-def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station: bool) -> float:
+def service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station: bool) -> float:
     """Length of a chaser's stay at a body, in revolutions of the epoch [s]."""
     mission = instance.mission
     if not at_station and mission.service_s is not None:

@@ -13,13 +13,12 @@ So more ΔV before a service means more after it, among chasers with equal kits.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_M_S
-from ...kernels.core.compile import kernel
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.instance import Instance
 from ..check.towed import Towed
@@ -61,8 +60,9 @@ UP_M_S = 2.0**-30
 the slack of the model [m/s]."""
 
 
-@kernel
-def left_after(cargo, body, kits, left):
+def left_after(
+    cargo: Cargo, body: npt.NDArray[np.int64], kits: npt.NDArray[np.int64], left: npt.NDArray[Any]
+) -> FloatArray:
     """ΔV left after services begun with a number of kits, rounded up; negative if infeasible.
 
     Parameters

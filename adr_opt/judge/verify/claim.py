@@ -86,21 +86,17 @@ def worth_of_floors(instance: Instance, certificate: Certificate) -> Fraction:
 
 def _refuse(instance: Instance) -> None:
     """Refuse instances without known floors."""
-    why = None
-    if len(instance.chasers) > 1:
-        why = "several chasers"
-    elif instance.given is not None:
-        why = "given connections"
-    elif registered_of(instance):
-        why = "legs of a registered family"
-    elif instance.chaser.is_launched:
-        why = "a launch"
-    elif any(target.removal == "tow" for target in instance.targets):
-        why = "tows"
-    elif instance.chaser.kit_mass_kg > 0.0 or instance.spent_m_s:
-        why = "a tank whose full ΔV changes"
-    if why is not None:
-        raise InputError(f"not yet verifiable: floors of an instance with {why}")
+    chaser = instance.chasers[0]
+    for without, why in (
+        (len(instance.chasers) > 1, "several chasers"),
+        (instance.given is not None, "given connections"),
+        (registered_of(instance), "legs of a registered family"),
+        (chaser.is_launched, "a launch"),
+        (any(target.removal == "tow" for target in instance.targets), "tows"),
+        (chaser.kit_mass_kg > 0.0 or instance.spent_m_s, "a tank whose full ΔV changes"),
+    ):
+        if without:
+            raise InputError(f"not yet verifiable: floors of an instance with {why}")
 
 
 def _half_s(axis: FloatArray, slower: FloatArray) -> FloatArray:
@@ -244,7 +240,8 @@ def _shown(instance: Instance, certificate: Certificate, below: Fraction, trivia
     below -= required * Fraction(certificate.required_worth)
     if below <= 0:
         return -math.inf
-    least = min((prize for prize in _all_prizes(instance) if prize), default=0.0)
+    prizes = (prize for target in instance.targets for prize in target.prizes if prize)
+    least = min(prizes, default=0.0)
     if below <= Fraction(least):
         return min(trivial, 0.0)  # parts of a prize cannot be collected
     if certificate.prize_step is None:
@@ -262,11 +259,6 @@ def missed_by(instance: Instance, step: Fraction) -> Fraction:
         for target in instance.targets
     ]
     return sum(prizes, Fraction(0))
-
-
-def _all_prizes(instance: Instance) -> list[float]:
-    """All prizes that services may be worth."""
-    return [prize for target in instance.targets for prize in target.prizes]
 
 
 def difference_of(instance: Instance, certificate: Certificate) -> float:

@@ -1,22 +1,23 @@
 """Check of a list of labels: that no walk collects as much as is asked for.
 
-A *walk* is a route of a chaser that may return to targets that it has forgotten; an *answer* is one
-that may end where it is and has collected as much. A *label* is a beginning of walks: where it is
-and since when, what is left of the tank, kits aboard, what it has collected, how many targets it
-has serviced, and which it remembers. One label *dominates* another of its body if it is there no
-later, has as much left and collected with no more services, and remembers nothing else: whatever
-the other can still do, it can. A list of labels, which anybody may have made, is *closed* if
+A *walk* W is a route of a chaser that may return to targets that it has forgotten; an *answer* is
+one that may end where it is and has collected at least what is needed. A *label* L is a beginning
+of walks: where it is and since when, what is left of the tank, kits aboard, what it has collected,
+how many targets it has serviced, and which it remembers. L *dominates* W at the same body if it is
+there no later, has at least as much left and collected with no more services, and remembers only
+what W remembers: whatever W can still do, L can, and what dominates L dominates W. A list of
+labels, which anybody may have made, is *closed* if
 
 1. none of its labels is an answer,
 2. one of them dominates every beginning of a walk,
 3. every leg of every one of them ends in a label that one of them dominates, or that cannot become
-   an answer any more, by the table of :mod:`.completion`.
+   an answer any more, by the table of :mod:`.completion`, or later and no cheaper than another leg
+   to the same body.
 
-Then no walk is an answer. Follow one: a label of the list dominates its beginning. If one dominates
-it before a leg, that label can take this leg, too, and by 3 one dominates it afterwards, or nothing
-that comes can be an answer. Where it ends, one that is no answer dominates it: it is none, either.
-
-Nothing depends on the order of the list. Times and ΔV are exact, or rounded in favour of walks.
+Then no walk W is an answer. Some L dominates its beginning, by 2. If L dominates it before a leg, L
+can take that leg, too, and by 3 some L' dominates it afterwards, or no answer comes of it. Where W
+ends some L dominates it, which is no answer by 1: nor is W. Each label is checked for itself, so
+that their order does not matter. Times and ΔV are exact, or rounded in favour of walks.
 """
 
 from __future__ import annotations
@@ -28,23 +29,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...common.constants import SLACK_S
-from ...kernels.core.compile import kernel
 from .cargo import left_after
 from .completion import Array, Completion, still
-from .cuts import WORD, tolls
+from .cuts import WORD, Tolls, tolls
 from .legs import Legs
 
 FINE = 30
-"""Extra bits of precision of collected amounts over those of the table."""
+"""Collected amounts are in *fine units*, of which 2**FINE are a unit of the table."""
 
 MOST = 2**60
 """Largest amount in a list, so that no sum is too large for an integer [fine units]."""
 
 PAID_LESS = 64
-"""Amount that payments are lessened by, for the rounding of products [fine units]."""
+"""Amount that payments are lessened by, for the rounding of products up to 2**57 [fine units]."""
 
 ROWS = 8192
-"""Number of labels that are gone on from at once."""
+"""Labels that are gone on from at once."""
 
 
 class ClosedLabels(NamedTuple):
@@ -61,7 +61,7 @@ class ClosedLabels(NamedTuple):
     counts : (kinds, labels) int64
         Stays of each kind of :class:`.cargo.StayCounts`.
     memory : (words, labels) int64
-        Bit j % 63 of word j // 63: may not go to target j.
+        Bit j % 63 of word j // 63: may not go to target j, which a walk sets as it leaves j.
     odd : (cut words, labels) int64
         Cuts of which an odd number of services is remembered.
     """
@@ -82,32 +82,30 @@ class ClosedLabels(NamedTuple):
 
 
 class Question(NamedTuple):
-    """What walks are asked for.
+    """What walks are asked for; the core takes it on trust from who reads the claim.
 
     Attributes
     ----------
     table, reach : Completion
-        For the gains, and for the worth.
+        For the gains, and for the worth, of which nothing is paid.
     gain : (bodies,) int64
         What a service is worth less its multiplier, rounded up [fine units].
     need : int
         What a walk is to collect [fine units].
     lost : (legs,) int64
-        What the prize at the end of each leg has fallen by, rounded down [fine units].
+        By what the prize at each leg's end has fallen: no less at a later one [fine units].
     neighbourhoods : (words, bodies) int64
         What a walk that comes to a body still remembers.
-    rows, cut_memory : (cut words, bodies) int64
-        Cuts that a body is a row of, and those that are remembered there.
-    toll : (cuts,) int64
-        What each cut costs, rounded down [fine units].
+    cuts : Tolls
+        What each cut costs at every second service of its targets, rounded down [fine units].
     per_m_s, per_s : float
-        What walks pay for ΔV and for the time until they end [fine units per m/s, per s].
+        At least 0, what walks pay for ΔV and the time until they end [fine units per m/s, per s].
     since : float
         When that time begins [s].
     worth : (bodies,) int64
         Of a service, rounded up [fine units of ``reach``].
     least : int
-        What a walk is to be worth; 0 where no worth is asked for.
+        What a walk is to be worth, or 0.
     """
 
     table: Completion
@@ -116,9 +114,7 @@ class Question(NamedTuple):
     need: int
     lost: Array
     neighbourhoods: Array
-    rows: Array
-    cut_memory: Array
-    toll: Array
+    cuts: Tolls
     per_m_s: float
     per_s: float
     since: float
@@ -127,8 +123,7 @@ class Question(NamedTuple):
 
 
 Finder = Callable[[ClosedLabels], Array]
-"""Gives for each of some labels the row of one in the list that dominates it. A wrong row proves
-nothing, so nobody has to trust it."""
+"""Gives for each of some labels the row of one in the list that dominates it; not trusted."""
 
 
 def why_open(
@@ -148,7 +143,10 @@ def why_open(
         Asked for the starts, and then for the ends of the legs of the labels, some at a time: in
         the order of the list, and those of a label in order of legs.
     """
-    if any(own.shape[:-1] != one.shape[:-1] for own, one in zip(labels, starts, strict=True)):
+    pairs = zip(labels, starts, strict=True)
+    labels = ClosedLabels(*(np.array(own, one.dtype) for own, one in pairs))
+    shapes = [(*one.shape[:-1], labels.body.size) for one in starts]
+    if [own.shape for own in labels] != shapes:
         return "labels have not as many words, or counts, as walks have"
     ranges = (
         (labels.value, -MOST, MOST),
@@ -162,8 +160,8 @@ def why_open(
     if np.any(is_answer(legs, question, labels)):
         return "a walk collects as much"
     for ends in chain([starts], ends_of(legs, question, labels)):
-        row = find(ends)
-        if not np.all((row >= 0) & (row < labels.body.size)):
+        row = np.array(find(ClosedLabels(*map(np.copy, ends))), dtype=np.int64)
+        if row.shape != ends.body.shape or np.any((row < 0) | (row >= labels.body.size)):
             return "no label covers the end of a leg, or a start"
         if not np.all(dominates(legs, question, labels.at(row), ends)):
             return "a label does not cover the end of a leg, or a start, that it is said to cover"
@@ -172,7 +170,7 @@ def why_open(
 
 def dominates(legs: Legs, question: Question, some: ClosedLabels, others: ClosedLabels) -> Array:
     """Which labels dominate others, one by one."""
-    # One with a kit more that weighs something has less left once that is gone.
+    # Where kits weigh something, one more aboard means less left once it is gone.
     aboard = np.equal if legs.terms.cargo.heavy else np.greater_equal
     found: Array = (some.body == others.body) & aboard(some.kits, others.kits)
     found &= (some.time <= others.time) & (some.left >= others.left)
@@ -180,7 +178,7 @@ def dominates(legs: Legs, question: Question, some: ClosedLabels, others: Closed
     found &= np.all(some.counts <= others.counts, axis=0)
     found &= np.all(some.memory & ~others.memory == 0, axis=0)
     # It may have to pay at once what the other one has paid.
-    owing = tolls(some.odd & ~others.odd, question.toll)
+    owing = tolls(some.odd & ~others.odd, question.cuts.toll)
     found &= some.value - owing >= others.value
     return found
 
@@ -195,27 +193,27 @@ def is_answer(legs: Legs, question: Question, labels: ClosedLabels) -> Array:
     return ends
 
 
-@kernel
-def _less(product):
+def _less(product: Array) -> Any:
     """A payment, a little less for the rounding of products [fine units]."""
-    return np.maximum(product.astype(np.int64) - PAID_LESS, 0)
+    return np.maximum(np.minimum(product, 2.0**57).astype(np.int64) - PAID_LESS, 0)
 
 
 def ends_of(legs: Legs, question: Question, labels: ClosedLabels) -> Iterator[ClosedLabels]:
     """Where the legs of labels end, as far as an answer may come of it; some at a time."""
     for begin in range(0, labels.body.size, ROWS):
         some = labels.at(np.s_[begin : begin + ROWS])
-        row, pair, leg = _first_legs(legs, some)
+        row, pair, _ = ways = _first_legs(legs, some)
         onto = _after(legs, question, some.at(row), pair)
-        way, leg, left, value = _flown(legs, question, some, onto, row, pair, leg)
+        way, leg, left, value = _flown(legs, question, some, onto, ways)
         ends = onto.at(way)._replace(time=legs.end[leg], left=left, value=value)
         yield ends.at(np.lexsort((leg, row[way])))
 
 
-def _first_legs(legs: Legs, labels: ClosedLabels) -> tuple[Array, Array, Array]:
-    """For labels and bodies that they may go to: row, pair, and the first leg that may be in time.
+def _first_legs(legs: Legs, labels: ClosedLabels) -> Array:
+    """Ways of labels to where they may go, shape (3, ways).
 
-    A pair is origin · bodies + destination.
+    Row of the label, pair, and the first leg that may be in time. A pair is origin · bodies +
+    destination.
     """
     terms, found = legs.terms, [np.empty((3, 0), dtype=np.int64)]
     counting, kits = terms.counting, labels.kits
@@ -234,8 +232,7 @@ def _first_legs(legs: Legs, labels: ClosedLabels) -> tuple[Array, Array, Array]:
             since = labels.time[rows] + legs.quickest[pair] - 2.0 * SLACK_S
             leg = low + np.searchsorted(legs.end[low:high], since)
             found.append(np.stack([rows, np.full(rows.size, pair), leg]))
-    row, pair, leg = np.concatenate(found, axis=1)
-    return row, pair, leg
+    return np.concatenate(found, axis=1)
 
 
 def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) -> ClosedLabels:
@@ -246,8 +243,8 @@ def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) ->
     word, bit = i // WORD, np.where(terms.is_station[i], 0, 1 << (i % WORD))
     for number in range(memory.shape[0]):
         memory[number] |= np.where(word == number, bit, 0)
-    remembered = before.odd & question.cut_memory[:, j]
-    value = before.value + question.gain[j] - tolls(remembered & question.rows[:, j], question.toll)
+    remembered, rows = before.odd & question.cuts.memory[:, j], question.cuts.rows[:, j]
+    value = before.value + question.gain[j] - tolls(remembered & rows, question.cuts.toll)
     return before._replace(
         body=j,
         kits=before.kits - terms.cargo.takes[j],
@@ -255,67 +252,51 @@ def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) ->
         worth=before.worth + question.worth[j],
         counts=before.counts * counting.keeps[:, j] + counting.adds[:, j],
         memory=memory,
-        odd=remembered ^ question.rows[:, j],
+        odd=remembered ^ rows,
     )
 
 
-@kernel
-def _flown(legs, question, labels, onto, row, pair, leg):
-    """The legs of which an answer may come, one after the other for all pairs at once.
+def _flown(
+    legs: Legs, question: Question, labels: ClosedLabels, onto: ClosedLabels, ways: Array
+) -> tuple[Array, ...]:
+    """The legs of which an answer may come, one after the other for all ways at once.
 
-    Parameters
-    ----------
-    legs : Legs
-    question : Question
-    labels, onto : ClosedLabels
-        Before a leg, and after one for each row.
-    row, pair, leg : (ways,) int64
-        As :func:`_first_legs` finds them.
-
-    Returns
-    -------
-    way, leg : (ends,) int64
-    left, value : (ends,)
-        After the stay.
+    Those are from ``labels`` to ``onto``, of which there is one for each. Gives for each leg its
+    way and number, and what is left and collected after the stay.
     """
-    terms, way, dearest = legs.terms, np.arange(row.size), np.full(row.size, np.inf)
-    ways, flown, lefts, values = way[:0], way[:0], dearest[:0], way[:0]
-    bodies = terms.service.size
-    i, j = pair // bodies, pair % bodies
+    row, pair, leg = ways
+    terms, way = legs.terms, np.arange(row.size)
+    i, j = np.divmod(pair, terms.bodies)
     came_from, stop = np.where(terms.is_station[i], -1, i), legs.first[pair + 1]
     since, kits, tank = labels.time[row] - SLACK_S, labels.kits[row], labels.left[row]
     is_station, full = terms.is_station[j], terms.cargo.full[kits]
-    while way.size:
-        inside = leg < stop[way]
-        way, leg, dearest = way[inside], leg[inside], dearest[inside]
-        # Not even by the cheapest of this leg and all later ones: then by none of them.
-        cheapest = legs.cheapest[leg]
-        left = left_after(terms.cargo, j[way], kits[way], tank[way] - cheapest)
-        left = np.where(is_station[way] & (left >= 0.0), full[way], left)
-        value = onto.value[way] - _less(cheapest * question.per_m_s)
-        more = _may_reach(question, onto, way, leg, j, came_from, left, value)
-        way, leg, dearest = way[more], leg[more], dearest[more]
-        cost = legs.delta_v[leg]
-        # What costs no less than an earlier end is no use.
-        flies = (legs.departure[leg] >= since[way]) & (cost < dearest) & (cost <= tank[way])
-        dearest = np.where(flies, cost, dearest)
+
+    def after(way: Array, leg: Array, cost: Array, lost: Any) -> tuple[Array, Array, Array]:
+        """What is left and collected after legs at a cost, and whether an answer may come of it."""
         left = left_after(terms.cargo, j[way], kits[way], tank[way] - cost)
         left = np.where(is_station[way] & (left >= 0.0), full[way], left)
-        value = onto.value[way] - question.lost[leg] - _less(cost * question.per_m_s)
-        good = flies & _may_reach(question, onto, way, leg, j, came_from, left, value)
-        ways, flown = np.concatenate((ways, way[good])), np.concatenate((flown, leg[good]))
-        lefts, values = np.concatenate((lefts, left[good])), np.concatenate((values, value[good]))
+        value = onto.value[way] - lost - _less(cost * question.per_m_s)
+        at = onto.kits[way], question.table.lands[leg], j[way], np.maximum(left, 0.0)
+        more = still(question.table, *at, came_from[way])
+        may = (left >= 0.0) & (value + (more << FINE) >= question.need)
+        if question.least > 0:
+            more = still(question.reach, *at, came_from[way])
+            may &= onto.worth[way] + (more << FINE) >= question.least
+        return left, value, may
+
+    least_paid, found = np.full(row.size, np.inf), [(way[:0], leg[:0], tank[:0], way[:0])]
+    while way.size:
+        way, leg = way[leg < stop[way]], leg[leg < stop[way]]
+        # Not even by the cheapest of this leg and all later ones: then by none of them.
+        may = after(way, leg, legs.cheapest[leg], 0)[2]
+        way, leg = way[may], leg[may]
+        cost = legs.delta_v[leg]
+        # What costs no less than a leg of the pair that ends earlier is no use: that one leaves a
+        # label that dominates, and if no answer comes of it none comes of this one.
+        flies = (legs.departure[leg] >= since[way]) & (cost < least_paid[way]) & (cost <= tank[way])
+        some, by = way[flies], leg[flies]
+        least_paid[some] = cost[flies]
+        left, value, may = after(some, by, cost[flies], question.lost[by])
+        found.append((some[may], by[may], left[may], value[may]))
         leg = leg + 1
-    return ways, flown, lefts, values
-
-
-@kernel
-def _may_reach(question, onto, way, leg, j, came_from, left, value):
-    """Whether an answer may come of legs: of what they leave and all that is still to be had."""
-    at, rest = (onto.kits[way], question.table.lands[leg], j[way]), np.maximum(left, 0.0)
-    more = still(question.table, at[0], at[1], at[2], rest, came_from[way])
-    good = (left >= 0.0) & (value + (more << FINE) >= question.need)
-    if question.least > 0:
-        more = still(question.reach, at[0], at[1], at[2], rest, came_from[way])
-        good &= onto.worth[way] + (more << FINE) >= question.least
-    return good
+    return tuple(np.concatenate(column) for column in zip(*found, strict=True))

@@ -16,18 +16,16 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...legs.connection_finder import ConnectionFinder
-from ...plan.certificate import Certificate, ProvenCost
+from ...plan.certificate import Certificate, ProvenCost, ProvenWalks
 from ...plan.plan import Plan
 from ...problem.chasers import Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.towed import towed_bodies
 from .claim import remembered, worths_of
-from .cuts import cuts_of
 from .legs import legs_of
 from .lists import Lists
-from .rules import finders_of
-from .walks import Paying, asked, walks_reach
+from .walks import Paying, WalkAnswer, asked, refuted, walks_reach
 
 SLACK = Fraction(1, 10**10)
 """Share by which a walk may be worth less, so that no rounding of a sum of prizes counts."""
@@ -91,11 +89,59 @@ def judged_cost(
     obstacle = why_unverifiable(instance)
     if obstacle is not None:
         return CostVerdict(None, 0, (f"the cost part is not yet verifiable: {obstacle}",))
-    follows = _walks_together if cost.walks else _walk_alone
-    unproven, labels = follows(_Case(instance, certificate, cost, connecting, lists))
-    if unproven is not None:
-        return CostVerdict(None, labels, (unproven,))
+    least, labels = _least_worth(instance, certificate, cost), 0
+    worth = Fraction(cost.per_prize) * least
+    paid = [Fraction(each) for each in cost.multipliers.values()]
+    paid += [Fraction(cut.multiplier) for cut in cost.cuts]
+    # Who stays where it is counts nothing.
+    paid += [len(walks.chasers) * max(Fraction(walks.most), Fraction(0)) for walks in cost.walks]
+    if cost.walks and Fraction(cost.bound) > worth - sum(paid):
+        why = f"that no plan costs less than {cost.bound:g} m/s does not follow from its walks"
+        return CostVerdict(None, 0, (why,))
+    paying = Paying(instance.time_m_s_per_s)
+    claims = [
+        _Claim(
+            walks,
+            max(Fraction(walks.most), Fraction(0)),
+            paying,
+            f"a walk of {{}} comes to {walks.most:g} m/s less what it costs",
+        )
+        for walks in cost.walks
+    ]
+    if not cost.walks and cost.bound > 0.0:  # nothing costs less than nothing
+        paying = Paying(instance.time_m_s_per_s, worths_of(instance, certificate), least)
+        names = tuple(chaser.name for chaser in instance.chasers)
+        walks = ProvenWalks(chasers=names, most=0.0, neighbourhoods=cost.neighbourhoods)
+        said = f"a walk that is worth enough may cost less than {cost.bound:g} m/s"
+        claims = [_Claim(walks, worth - Fraction(cost.bound), paying, said)]
+    for claim in claims:
+
+        def answer(chaser: Chaser, own: ConnectionFinder, claim: _Claim = claim) -> WalkAnswer:
+            question = asked(
+                legs_of(instance, chaser, own),
+                _counts(instance, certificate, cost, chaser),
+                remembered(instance, claim.walks.neighbourhoods),
+                claim.most - _spent(instance, chaser, own),
+                certificate.delta_v_slot_m_s,
+                cost.cuts,
+                claim.paying,
+            )
+            return walks_reach(question, lists)
+
+        made, _, reason = refuted(instance, claim.walks.chasers, connecting, claim.said, answer)
+        labels += made
+        if reason is not None:
+            return CostVerdict(None, labels, (reason,))
     return CostVerdict(cost.bound, labels, tuple(_compared(plan, cost)))
+
+
+class _Claim(NamedTuple):
+    """A claim on walks: what none comes to, what they pay, and what is said of one that does."""
+
+    walks: ProvenWalks
+    most: Fraction
+    paying: Paying
+    said: str
 
 
 def _least_worth(instance: Instance, certificate: Certificate, cost: ProvenCost) -> Fraction:
@@ -124,69 +170,6 @@ def _spent(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> 
     if chaser.is_launched:  # no leg leads onto its first target
         return Fraction(0)
     return Fraction(connecting.spent_m_s(instance.names.index(chaser.start_name)))
-
-
-class _Case(NamedTuple):
-    instance: Instance
-    certificate: Certificate
-    cost: ProvenCost
-    connecting: ConnectionFinder
-    lists: Lists
-
-
-def _walk_alone(case: _Case) -> tuple[str | None, int]:
-    """Why it does not follow for a single chaser, and how many labels that took."""
-    instance, certificate, cost, connecting, lists = case
-    if cost.bound <= 0.0:
-        return None, 0  # nothing costs less than nothing
-    (chaser,) = instance.chasers
-    worths, least = worths_of(instance, certificate), _least_worth(instance, certificate, cost)
-    question = asked(
-        legs_of(instance, chaser, connecting),
-        _counts(instance, certificate, cost, chaser),
-        remembered(instance, cost.neighbourhoods),
-        Fraction(cost.per_prize) * least
-        - Fraction(cost.bound)
-        - _spent(instance, chaser, connecting),
-        certificate.delta_v_slot_m_s,
-        paying=Paying(instance.time_m_s_per_s, worths, least),
-    )
-    answer = walks_reach(question, lists)
-    said = f"a walk that is worth enough may cost less than {cost.bound:g} m/s"
-    wrong = f"{said}, but the certificate says that none does"
-    return (answer.why or wrong if answer.reached else None), answer.labels
-
-
-def _walks_together(case: _Case) -> tuple[str | None, int]:
-    """The same for several chasers."""
-    instance, certificate, cost, connecting, lists = case
-    least = _least_worth(instance, certificate, cost)
-    paid = [Fraction(each) for each in cost.multipliers.values()]
-    paid += [Fraction(cut.multiplier) for cut in cost.cuts]
-    # Who stays where it is counts nothing.
-    paid += [len(walks.chasers) * max(Fraction(walks.most), Fraction(0)) for walks in cost.walks]
-    if Fraction(cost.bound) > Fraction(cost.per_prize) * least - sum(paid):
-        return f"that no plan costs less than {cost.bound:g} m/s does not follow from its walks", 0
-    labels, cuts = 0, cuts_of(instance, cost.cuts)
-    for walks in cost.walks:
-        for chaser, own in finders_of(instance, walks.chasers, connecting):
-            question = asked(
-                legs_of(instance, chaser, own),
-                _counts(instance, certificate, cost, chaser),
-                remembered(instance, walks.neighbourhoods),
-                max(Fraction(walks.most), Fraction(0)) - _spent(instance, chaser, own),
-                certificate.delta_v_slot_m_s,
-                cuts,
-                Paying(instance.time_m_s_per_s),
-            )
-            answer = walks_reach(question, lists)
-            labels += answer.labels
-            if answer.why is not None:
-                return f"the labels of {chaser.name!r} show nothing: {answer.why}", labels
-            if answer.reached:
-                said = f"a walk of {chaser.name!r} comes to {walks.most:g} m/s less what it costs"
-                return f"{said}, but the certificate says that none does", labels
-    return None, labels
 
 
 def _compared(plan: Plan | None, cost: ProvenCost) -> list[str]:

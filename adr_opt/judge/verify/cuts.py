@@ -8,34 +8,17 @@ it pay no more than a plan would: what holds for walks holds for plans.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ...kernels.core.compile import kernel
 from ...plan.certificate import ProvenCut
-from ...problem.instance import Instance
 
 WORD = 63
 """Number of cuts, or of targets, per integer."""
-
-
-class NumberedCut(NamedTuple):
-    """A cut, by numbers of bodies.
-
-    Attributes
-    ----------
-    rows, memory : tuple of int
-    multiplier : Fraction
-    """
-
-    rows: tuple[int, ...]
-    memory: tuple[int, ...]
-    multiplier: Fraction
 
 
 class Tolls(NamedTuple):
@@ -53,34 +36,21 @@ class Tolls(NamedTuple):
     toll: npt.NDArray[np.int64]
 
 
-def cuts_of(instance: Instance, cuts: Iterable[ProvenCut]) -> tuple[NumberedCut, ...]:
-    """The cuts of a certificate."""
-    number = {name: body for body, name in enumerate(instance.names)}
-    return tuple(
-        NumberedCut(
-            tuple(number[name] for name in cut.targets),
-            tuple(number[name] for name in cut.memory),
-            Fraction(cut.multiplier),
-        )
-        for cut in cuts
-    )
-
-
-def tolls_of(cuts: tuple[NumberedCut, ...], bodies: int, unit: Fraction) -> Tolls:
+def tolls_of(cuts: Sequence[ProvenCut], names: Sequence[str], unit: Fraction) -> Tolls:
     """Tolls in units, rounded down: in favour of walks."""
+    body = {name: number for number, name in enumerate(names)}
     words = (len(cuts) + WORD - 1) // WORD
-    rows, memory = (np.zeros((words, bodies), dtype=np.int64) for _ in range(2))
+    rows, memory = (np.zeros((words, len(names)), dtype=np.int64) for _ in range(2))
     toll = np.zeros(len(cuts), dtype=np.int64)
     for number, cut in enumerate(cuts):
         word, bit = number // WORD, np.int64(1) << (number % WORD)
-        rows[word, list(cut.rows)] |= bit
-        memory[word, list(cut.memory)] |= bit
-        toll[number] = min(math.floor(cut.multiplier / unit), 2**58 // len(cuts))
+        rows[word, [body[name] for name in cut.targets]] |= bit
+        memory[word, [body[name] for name in cut.memory]] |= bit
+        toll[number] = min(Fraction(cut.multiplier) // unit, 2**58 // len(cuts))
     return Tolls(rows, memory, toll)
 
 
-@kernel
-def tolls(bits, toll):
+def tolls(bits: npt.NDArray[Any], toll: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     """Sums of the tolls whose bits are set, shape (labels,)."""
     total = np.zeros(bits.shape[1], np.int64)
     for cut in range(toll.size):

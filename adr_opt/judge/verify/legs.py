@@ -18,6 +18,8 @@ from ...problem.chasers import Chaser
 from ...problem.instance import Instance
 from .terms import Terms, flown_from, terms_of
 
+FloatArray = npt.NDArray[np.float64]
+
 MOST = 2**58
 """Largest amount that is taken off at once [units]."""
 
@@ -50,22 +52,15 @@ def losses_of(instance: Instance) -> tuple[Loss, ...]:
     return tuple(found)
 
 
-def lost_on(legs: Legs, losses: Sequence[Loss], unit: Fraction) -> npt.NDArray[np.int64]:
-    """Losses at the ends of legs, rounded down to units."""
-    lost = np.zeros(legs.end.size, dtype=np.int64)
-    destination = legs.pair % legs.terms.bodies
+def lost_by(
+    losses: Sequence[Loss], body: npt.NDArray[np.int64], end_s: FloatArray, unit: Fraction
+) -> npt.NDArray[np.int64]:
+    """Losses of bodies' prizes by services that end at times, rounded down to units."""
+    lost = np.zeros(body.size, dtype=np.int64)
     for loss in losses:
-        lost[(destination == loss.body) & (legs.end > loss.after_s)] = min(loss.lost // unit, MOST)
+        lost[(body == loss.body) & (end_s > loss.after_s)] = min(loss.lost // unit, MOST)
     return lost
 
-
-def lost_by(losses: Sequence[Loss], body: int, end_s: float, unit: Fraction) -> int:
-    """Loss of a body's prize by a service that ends at a time, rounded down to units."""
-    lost = [loss.lost for loss in losses if loss.body == body and end_s > loss.after_s]
-    return min(math.floor(max(lost, default=Fraction(0)) / unit), MOST)
-
-
-FloatArray = npt.NDArray[np.float64]
 
 LEAST_S = 1e-4
 """Least duration of a leg, far above the slack: walks are processed in order of time [s]."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterator
 
 from ...legs.connection_finder import ConnectionFinder
 from ...problem.chasers import Chaser
 from ...problem.instance import Instance
 from ...problem.rules import JUDGED, Follower
+from ..check.shared import launch_times
 
 FOLLOWS = Follower("verify", JUDGED)
 """A station's amount of propellant is ignored: walks may take any; so are the separation of
@@ -16,21 +16,13 @@ missions and the longest leg, which only forbid plans."""
 
 
 def kept_apart(instance: Instance) -> tuple[Chaser, ...]:
-    """The chasers, each available from its earliest possible launch.
-
-    Where the instance gives an interval, they are launched in the order of the file, each so long
-    after the one before, whether that one is used or not. Otherwise no launch waits for another.
-    """
-    apart_s, earliest_s, found = instance.mission.launch_separation_s, -math.inf, []
-    if apart_s is None:
-        return instance.chasers
+    """The chasers, each available from its earliest possible launch."""
+    launches, found = launch_times(instance), []
     for chaser in instance.chasers:
         since, until = chaser.available_s
-        if chaser.is_launched:
-            since = max(since, earliest_s)
-            earliest_s = since + apart_s
         # Not validated once more: the available time of a chaser launched too late may be empty.
-        found.append(chaser.model_copy(update={"available_s": (since, until)}))
+        available = launches.get(chaser.name, since), until
+        found.append(chaser.model_copy(update={"available_s": available}))
     return tuple(found)
 
 

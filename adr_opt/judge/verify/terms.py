@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_S
-from ...kernels.orbits.ephemeris import EPOCH_S, latitude_rate_at
 from ...legs.connection_finder import ConnectionFinder
 from ...problem.chasers import AtStation, Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
+from ..check.routes import service_s
 from ..check.towed import towed_bodies
 from .cargo import Cargo, StayCounts, cargo_of, counting_of
 from .openings import Openings, openings_of
@@ -27,6 +27,8 @@ class Terms(NamedTuple):
 
     Attributes
     ----------
+    names : tuple of str
+        Of the bodies.
     home : int
         Where it begins.
     may_follow : (bodies, bodies) bool
@@ -50,6 +52,7 @@ class Terms(NamedTuple):
     counting : StayCounts
     """
 
+    names: tuple[str, ...]
     home: int
     may_follow: npt.NDArray[np.bool_]
     begin: float
@@ -68,7 +71,7 @@ class Terms(NamedTuple):
     @property
     def bodies(self) -> int:
         """Number of bodies."""
-        return int(self.service.size)
+        return len(self.names)
 
 
 def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> Terms:
@@ -101,6 +104,7 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
         in_time &= np.all(counting.adds <= counting.most[:, None], axis=0)
         starts = np.append(starts, np.flatnonzero(in_time))
     return Terms(
+        names,
         home,
         may_follow,
         begin,
@@ -144,16 +148,8 @@ def flown_from(
 
 def services_s(instance: Instance) -> FloatArray:
     """Length of a chaser's stay at each body [s]."""
-    mission, service = instance.mission, np.zeros(len(instance.names))
-    for body, row in enumerate(instance.orbits()):
-        at_target = body >= instance.first_target
-        if at_target and mission.service_s is not None:
-            service[body] = mission.service_s
-            continue
-        revolutions = mission.service_revolutions if at_target else mission.refuel_revolutions
-        if revolutions:  # a body without an orbit has no period, and none is asked for
-            service[body] = revolutions * 2.0 * math.pi / float(latitude_rate_at(row, EPOCH_S))
-    return service
+    rows, first = instance.orbits(), instance.first_target
+    return np.array([service_s(instance, row, body < first) for body, row in enumerate(rows)])
 
 
 def _may_follow(bodies: int, home: int, stations: int, first_target: int) -> npt.NDArray[np.bool_]:

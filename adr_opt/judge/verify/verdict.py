@@ -15,20 +15,20 @@ from ...common.errors import InputError
 from ...legs.connection_finder import ConnectionFinder
 from ...plan.certificate import Certificate, ProvenWalks, sha256_of
 from ...plan.plan import MODEL, Plan
+from ...problem.chasers import Chaser
 from ...problem.instance import AnyInstance, Instance
 from ...problem.support import followed
+from ..check.connections import Sampled, sample_connections
 from ..check.verdict import check
 from .claim import bound_of, difference_of, gains, remembered
 from .cost import judged_cost
-from .cuts import cuts_of
 from .legs import legs_of, losses_of
 from .lists import Lists
 from .names import check_names
-from .rules import FOLLOWS, finders_of
-from .sampling import Sampled, sample_connections
+from .rules import FOLLOWS
 from .steps import most_in_steps
 from .terms import terms_of
-from .walks import asked, walks_reach
+from .walks import WalkAnswer, asked, refuted, walks_reach
 
 CONNECTIONS = 1000
 """Number of connections flown again."""
@@ -190,33 +190,23 @@ def _searched(
     lists: Lists,
 ) -> tuple[int, int, str | None]:
     """Number of labels and legs needed, and the error if a walk collects more than claimed."""
-    neighbourhoods = remembered(instance, walks.neighbourhoods)
-    made, gone = 0, 0
-    for chaser, own in finders_of(instance, walks.chasers, connecting):
-        worths, most = gains(instance, certificate), Fraction(walks.most)
-        slot_m_s = certificate.delta_v_slot_m_s
-        if certificate.time_step_s is not None:
-            price = None if walks.worth_per_m_s is None else Fraction(walks.worth_per_m_s)
-            terms = terms_of(instance, chaser, own)
-            found, count = most_in_steps(
-                terms, own, worths, certificate.time_step_s, slot_m_s, price
+    worths, most = gains(instance, certificate), Fraction(walks.most)
+    length_s, slot_m_s = certificate.time_step_s, certificate.delta_v_slot_m_s
+
+    def answer(chaser: Chaser, own: ConnectionFinder) -> WalkAnswer:
+        if length_s is None:
+            legs, known = legs_of(instance, chaser, own), remembered(instance, walks.neighbourhoods)
+            cuts, losses = certificate.cuts, losses_of(instance)
+            return walks_reach(
+                asked(legs, worths, known, most, slot_m_s, cuts, losses=losses), lists
             )
-            reached = found is not None and found >= most
-            gone += count
-        else:
-            legs = legs_of(instance, chaser, own)
-            cuts = cuts_of(instance, certificate.cuts)
-            losses = losses_of(instance)
-            reached, count, why = walks_reach(
-                asked(legs, worths, neighbourhoods, most, slot_m_s, cuts, losses=losses), lists
-            )
-            made += count
-            if why is not None:
-                return made, gone, f"the labels of {chaser.name!r} show nothing: {why}"
-        if reached:
-            said = f"a walk of {chaser.name!r} collects {walks.most:g} less multipliers"
-            return made, gone, f"{said}, but the certificate says that none does"
-    return made, gone, None
+        price = None if walks.worth_per_m_s is None else Fraction(walks.worth_per_m_s)
+        terms = terms_of(instance, chaser, own)
+        found, count = most_in_steps(terms, own, worths, length_s, slot_m_s, price)
+        return WalkAnswer(found is not None and found >= most, legs=count)
+
+    said = f"a walk of {{}} collects {walks.most:g} less multipliers"
+    return refuted(instance, walks.chasers, connecting, said, answer)
 
 
 def _compare(

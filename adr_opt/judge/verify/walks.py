@@ -9,7 +9,7 @@ plan is a walk, whatever the neighbourhoods, and what holds for walks holds for 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from fractions import Fraction
 from importlib.metadata import entry_points
 from typing import Any, NamedTuple
@@ -19,12 +19,17 @@ import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...common.packages import load
+from ...legs.connection_finder import ConnectionFinder
+from ...plan.certificate import ProvenCut
+from ...problem.chasers import Chaser
+from ...problem.instance import Instance
 from .cargo import left_after
 from .closed import FINE, ClosedLabels, Question, why_open
 from .completion import completion
-from .cuts import WORD, NumberedCut, tolls_of
-from .legs import MOST, Legs, Loss, lost_by, lost_on
+from .cuts import WORD, tolls_of
+from .legs import MOST, Legs, Loss, lost_by
 from .lists import ListedLabels, Lists
+from .rules import finders_of
 
 
 class Paying(NamedTuple):
@@ -52,15 +57,48 @@ class WalkAnswer(NamedTuple):
     ----------
     reached : bool
         Whether there is a walk that collects as much.
-    labels : int
-        How many it took to know.
+    labels, legs : int
+        How many labels it took to know, or legs where walks are counted in steps.
     why : str or None
         Why a list of labels does not show that there is none.
     """
 
     reached: bool
-    labels: int
+    labels: int = 0
+    legs: int = 0
     why: str | None = None
+
+
+def refuted(
+    instance: Instance,
+    chasers: Collection[str],
+    connecting: ConnectionFinder,
+    said: str,
+    answer: Callable[[Chaser, ConnectionFinder], WalkAnswer],
+) -> tuple[int, int, str | None]:
+    """Labels and legs that it took to know of a claim on walks, and why it does not follow, if so.
+
+    Parameters
+    ----------
+    instance : Instance
+    chasers : collection of str
+        Whose walks they are.
+    connecting : ConnectionFinder
+    said : str
+        What a walk does of which the certificate says that none does; {} is the name of a chaser.
+    answer : callable
+        The answer for one of them and its connections.
+    """
+    labels, legs = 0, 0
+    for chaser, own in finders_of(instance, chasers, connecting):
+        found = answer(chaser, own)
+        labels, legs = labels + found.labels, legs + found.legs
+        if found.why is not None:
+            return labels, legs, f"the labels of {chaser.name!r} show nothing: {found.why}"
+        if found.reached:
+            walk = said.format(repr(chaser.name))
+            return labels, legs, f"{walk}, but the certificate says that none does"
+    return labels, legs, None
 
 
 EXPANDERS = "adr_opt.expanders"
@@ -94,7 +132,7 @@ def asked(
     neighbourhoods: npt.NDArray[np.bool_],
     most: Fraction,
     slot_m_s: float,
-    cuts: tuple[NumberedCut, ...] = (),
+    cuts: Sequence[ProvenCut] = (),
     paying: Paying | None = None,
     losses: Sequence[Loss] = (),
 ) -> AskedWalks:
@@ -111,7 +149,7 @@ def asked(
     slot_m_s : float
         In which ΔV is counted where labels look ahead: how many there are depends on it, and
         nothing else [m/s].
-    cuts : tuple of NumberedCut
+    cuts : sequence of ProvenCut
         What walks pay for at their second services.
     paying : Paying, optional
         Walks pay for ΔV, and count only if they are worth as much; gains are in m/s then.
@@ -120,7 +158,7 @@ def asked(
     """
     table = completion(legs, gains, slot_m_s, 0.0 if paying is None else 1.0)
     # Exact sums: what is worth something is worth no less in units, and what is asked for no more.
-    unit = Fraction(table.unit) / (1 << FINE)
+    unit = table.unit / (1 << FINE)
     need = min(max(math.floor(most / unit), -(2**59)), 2**59)
     neighbours = np.zeros(((len(gains) - 1) // WORD + 1, len(gains)), dtype=np.int64)
     for i, j in np.argwhere(neighbourhoods):
@@ -130,7 +168,7 @@ def asked(
     worth, least, reach = np.zeros_like(gain), 0, table
     if paying is not None and paying.worths:
         reach = completion(legs, paying.worths, slot_m_s)
-        size = Fraction(reach.unit) / (1 << FINE)
+        size = reach.unit / (1 << FINE)
         worth[:] = [math.ceil(each / size) for each in paying.worths]
         least = min(math.floor(paying.least / size), 2**59)
     question = Question(
@@ -138,9 +176,9 @@ def asked(
         reach,
         gain,
         need,
-        lost_on(legs, losses, unit),
+        lost_by(losses, legs.pair % legs.terms.bodies, legs.end, unit),
         neighbours,
-        *tolls_of(cuts, len(gains), unit),
+        tolls_of(cuts, legs.terms.names, unit),
         per_m_s,
         0.0 if paying is None else per_m_s * paying.per_s,
         legs.terms.begin,
@@ -175,7 +213,7 @@ def walks_reach(asked: AskedWalks, lists: Lists | None = None) -> WalkAnswer:
     why = why_open(legs, question, given.labels, starts, noted)
     if lists is not None:
         lists.checked.append(given._replace(row=np.concatenate(rows)))
-    return WalkAnswer(why is not None, made or given.labels.body.size, why)
+    return WalkAnswer(why is not None, made or given.labels.body.size, why=why)
 
 
 def _starts(legs: Legs, question: Question, losses: Sequence[Loss], unit: Fraction) -> ClosedLabels:
@@ -193,7 +231,7 @@ def _starts(legs: Legs, question: Question, losses: Sequence[Loss], unit: Fracti
     is_launch, left = body != terms.home, terms.begun[kits]
     # Who is launched onto a target has serviced it by then.
     left = np.where(is_launch, left_after(cargo, body, kits, left), left)
-    lost = [lost_by(losses, each, float(terms.ready[each]), unit) for each in body.tolist()]
+    lost = lost_by(losses, body, terms.ready[body], unit)
     labels = ClosedLabels(
         body,
         kits - takes,
@@ -203,6 +241,6 @@ def _starts(legs: Legs, question: Question, losses: Sequence[Loss], unit: Fracti
         np.where(is_launch, question.worth[body], 0),
         np.where(is_launch, counting.adds[:, body], 0),
         np.zeros((question.neighbourhoods.shape[0], body.size), dtype=np.int64),
-        np.where(is_launch, question.rows[:, body], 0),
+        np.where(is_launch, question.cuts.rows[:, body], 0),
     )
     return labels.at(left >= 0.0)

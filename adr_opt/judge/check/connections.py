@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...common.constants import SLACK_S
 from ...kernels.legs import burns as burn_kernels
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.connections import Connections
@@ -21,14 +22,13 @@ from ...legs.families.registry import families, registered_of
 from ...plan.leg_kinds import SHORT
 from ...plan.plan import Burn, Leg, burns_of
 from ...problem.instance import Instance
-from ..check.altitude import Heights
-from ..check.leg import Physics, check_transfer
-from ..check.lifetime import NEAR, outstays
-from ..check.tow import may_end_far
-from ..check.violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
-from .openings import openings_of
+from .altitude import Heights
+from .leg import Physics, check_transfer
+from .lifetime import NEAR, outstays
+from .routes import begin_of, service_s
 from .sequences import ways_after
-from .terms import services_s
+from .tow import may_end_far
+from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
 
 DEPARTURES_SHARE = 0.1
 """Number of sampled departures per connection flown again."""
@@ -187,17 +187,15 @@ def _is_barred(instance: Instance, physics: Physics, way: Way, i: int, j: int) -
     """
     if physics.given is not None:
         return False
-    if j >= instance.first_target:
+    heights, at_station, begins = Heights(instance), j < instance.first_target, way.arrival
+    if not at_station:
         target = instance.targets[j - instance.first_target]
         if outstays(instance, target, physics.towed.get(target.name), NEAR):
             return True
-    heights, stays_s = Heights(instance), services_s(instance)
-    ends = [(i, way.departure)]
-    if j < instance.first_target:
-        ends.append((j, way.arrival + float(stays_s[j])))
-    else:
-        begins_s = float(openings_of(instance, stays_s)[j].begins(way.arrival))
-        ends.append((j, begins_s + float(stays_s[j])))
+        stay = service_s(instance, physics.elements[j], at_station)
+        capture = stay if target.capture_s is None else target.capture_s
+        begins = begin_of(instance.intervals_of(target), begins, capture - SLACK_S)
+    ends = [(i, way.departure), (j, begins + service_s(instance, physics.elements[j], at_station))]
     for body, time_s in ends:
         name = instance.names[body]
         tow = physics.towed.get(name)

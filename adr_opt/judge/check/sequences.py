@@ -13,10 +13,10 @@ from ...kernels.orbits import ephemeris
 from ...legs.families.family import Way
 from ...problem.drives import Drive
 from ...problem.instance import Instance
-from ..check.drift import drift_cost
-from ..check.eccentric import StatedSequence, short_cost
-from ..check.leg import Physics
-from ..check.low_thrust_optimum import cost_between
+from .drift import drift_cost
+from .eccentric import StatedSequence, short_cost
+from .leg import Physics
+from .low_thrust_optimum import cost_between
 
 MOST_STEPS, CLOSE_S = 60, 1e-6
 """Maximum number of fixed-point steps where planes drift, and their tolerance [s]."""
