@@ -135,10 +135,9 @@ def _begin_among(windows, low, high, arrival):
 def service_begin(windows, body, arrival):
     """Earliest start of a service after an arrival; +inf if there is none [s]."""
     begin = max(arrival, windows.opens[body])
-    if begin > windows.latest[body]:
-        low, high = windows.first[body], windows.first[body + 1]
-        begin = _begin_among(windows, low, high, arrival) if low < high else np.inf
-    return begin
+    if begin <= windows.latest[body]:
+        return begin
+    return _begin_among(windows, windows.first[body], windows.first[body + 1], arrival)
 
 
 @inlined
