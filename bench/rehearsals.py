@@ -6,6 +6,8 @@ python bench/rehearsals.py robust --count 5 --limit 60
 python bench/rehearsals.py charges --count 5000
 python bench/rehearsals.py campaign CATALOGUE --limit 60 --replanned 20 --worlds 5
 python bench/rehearsals.py replan --seeds 0 1 2 --days 2 3 4
+python bench/rehearsals.py paired --fields 3 --worlds 10
+python bench/rehearsals.py expected --fields 3
 """
 
 from __future__ import annotations
@@ -24,13 +26,16 @@ from tables import experiment, head, row, timed
 import adr_opt
 from adr_opt.analysis import replan as replanned_by
 from adr_opt.analysis.rehearse.bounds import bounds
+from adr_opt.analysis.rehearse.rehearsals import Rehearsals
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.rehearse.tries import TryWorths
+from adr_opt.analysis.robust.expected import expected as expected_plan
 from adr_opt.analysis.robust.robust import robust as robust_plan
 from adr_opt.common.clock import count_processor_time
 from adr_opt.common.constants import DAY_S
 from adr_opt.legs.corrections import Moments, RiskCharge
 from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import KeepOutZone
 from adr_opt.problem.uncertainty import Uncertainty
@@ -339,5 +344,145 @@ def replan(
         )
 
 
+PAIRED = {
+    "captures": Uncertainty(capture={"success": 0.8, "tries": 2}),
+    "dear": Uncertainty(legs={"delta_v_factor": {"lognormal_sigma": 0.2}}),
+    "both": Uncertainty(
+        capture={"success": 0.8, "tries": 2}, legs={"delta_v_factor": {"lognormal_sigma": 0.2}}
+    ),
+}
+"""Scenarios in which replanning is compared with following."""
+
+
+def drawn(family: str, seed: int, targets: int) -> Instance:
+    """A field of a family; ``one-tank`` is ``reduced-time`` without its station, with 600 m/s."""
+    if family != "one-tank":
+        return adr_opt.generate(family, seed, targets=targets)
+    made = adr_opt.generate("reduced-time", seed, targets=targets)
+    start = InOrbit(orbit=made.stations[0].orbit)
+    chaser = made.chaser.replace(start=start, end="anywhere", tank=Tank(delta_v_m_s=600.0))
+    return made.replace(stations=(), chasers=(chaser,))
+
+
+def paired(
+    families: tuple[str, ...] = ("nominal", "reduced-time", "reduced-fuel", "one-tank"),
+    scenarios: tuple[str, ...] = tuple(PAIRED),
+    policy: str = "replan",
+    targets: int = 50,
+    fields: int = 3,
+    first_field: int = 500,
+    worlds: int = 10,
+    first_world: int = 0,
+    limit: float = 10.0,
+) -> None:
+    """What a policy collects beyond ``follow``, in the same worlds, from the same plan of ``auto``.
+
+    ``captures``: a try succeeds with a chance of 0.8, two tries; ``dear``: legs cost a factor of
+    lognormal spread 0.2; ``both``. Prizes are without the luck of captures; *p* is that of a paired
+    test, two-sided, by the normal distribution. Limits count processor time.
+    """
+    count_processor_time()
+    head("family", "scenario", "rehearsals", "`follow`", f"`{policy}`", "more", "p", "s each")
+    plans = {
+        (family, seed): (instance, adr_opt.solve(instance, time_limit=limit).plan)
+        for family in families
+        for seed in range(first_field, first_field + fields)
+        for instance in (drawn(family, seed, targets),)
+    }
+    means = list[float]()
+    for family, name in ((family, name) for family in families for name in scenarios):
+        found: dict[str, list[float]] = {"follow": [], policy: []}
+        took_s = 0.0
+        for seed in range(first_field, first_field + fields):
+            instance, plan = plans[family, seed]
+            assert plan is not None
+            for each, prizes in found.items():
+                flown = rehearse(
+                    instance,
+                    plan,
+                    PAIRED[name],
+                    policy=each,
+                    samples=worlds,
+                    seed=first_world + 1000 * seed,
+                )
+                prizes += [outcome.expected for outcome in flown.outcomes]
+                took_s += flown.runtime_s * (each == policy)
+        more = np.array(found[policy]) - np.array(found["follow"])
+        error = float(more.std(ddof=1)) / math.sqrt(more.size)
+        p = math.erfc(abs(float(more.mean())) / error / math.sqrt(2.0)) if error > 0.0 else 1.0
+        row(
+            *(family, name, more.size),
+            *(f"{mean(prizes):.2f}" for prizes in found.values()),
+            f"{more.mean():+.2f} ± {error:.2f}",
+            f"{p:.2g}",
+            f"{took_s / more.size:.2f}",
+        )
+        means.append(float(more.mean()))
+    print(f"\n{mean(means):+.3f} in the mean of {len(means)} settings, {min(means):+.3f} at worst")
+
+
+def expected(
+    scenarios: tuple[str, ...] = ("captures", "slow"),
+    targets: int = 50,
+    fields: int = 3,
+    first_field: int = 600,
+    limit: float = 60.0,
+    followed: int = 500,
+    replanned: int = 10,
+    worlds: int = 5,
+    bound_limit: float = 30.0,
+    confidence: float = 0.9,
+) -> None:
+    """Plans for the expected prize beside plain ones and those with a confidence, in new worlds.
+
+    Nominal fields in scenarios of ``scenarios``. The gap is that of the plan replanned to the
+    penalised bound on every policy, of which penalties price time at what the plain plan collects
+    in a day. Limits count processor time.
+    """
+    count_processor_time()
+    head(
+        *("field", "scenario", "plain, followed", f"kept with {confidence:g}", "expected, stated"),
+        *("followed", "replanned", "bound", "gap followed", "gap replanned"),
+    )
+    for seed, name in (
+        (seed, name) for seed in range(first_field, first_field + fields) for name in scenarios
+    ):
+        instance, world = adr_opt.generate("nominal", seed, targets=targets), SCENARIOS[name]
+        plain = adr_opt.solve(instance, time_limit=limit).plan
+        kept_plan = robust_plan(instance, world, confidence, time_limit=limit).plan
+        made = expected_plan(instance, world, time_limit=limit).plan
+        assert plain is not None
+        assert made is not None
+        assert made.expected is not None
+
+        def flown(plan: Plan, policy: str, samples: int) -> Rehearsals:
+            return rehearse(instance, plan, world, policy=policy, samples=samples)  # noqa: B023
+
+        runs = [flown(made, "follow", followed), flown(made, "replan", replanned)]
+        price = plain.objective / (instance.mission.duration_s / DAY_S)
+        bounded = bounds(
+            instance,
+            world,
+            samples=worlds,
+            method="lagrangian",
+            time_limit=bound_limit,
+            time_price=price,
+        )
+        told = [_mean(run.to_dict()["expected_prize"]) for run in runs]
+        others = [
+            "none"
+            if plan is None
+            else _mean(flown(plan, "follow", followed).to_dict()["expected_prize"])
+            for plan in (plain, kept_plan)
+        ]
+        row(
+            *(instance.name, name, *others, f"{made.expected.prize:.2f}", *told),
+            _mean(bounded.to_dict()["penalised"]),
+            *(_gap(bounded.gaps(run).get("penalised")) for run in runs),
+        )
+
+
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, speed, scenarios, robust, charges, campaign, replan))
+    sys.exit(
+        experiment(__doc__, speed, scenarios, robust, charges, campaign, replan, paired, expected)
+    )

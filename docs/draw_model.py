@@ -34,8 +34,12 @@ from adr_opt.ui import plot
 
 FOLDER = Path(__file__).with_name("pictures")
 WIDTH_IN = 6.2
-PRICED = "a drawn cloud", "a field, e to 0.02", "Iridium 33, 2025-04"
-"""Fields of bench/curves/free-burns.csv."""
+PRICED = {
+    "cloud-000": "a drawn cloud",
+    "nominal-000 e to 0.02": "a field, e to 0.02",
+    "celestrak_2025-04_iridium-33-debris part 1": "Iridium 33, 2025-04",
+}
+"""Fields of bench/curves/free-burns.csv, and their titles."""
 
 INK = "#26313d"
 FAINT = "#9aa5b1"
@@ -491,9 +495,8 @@ def priced() -> Any:
         dtype=None,
         encoding="utf-8",
     )
-    names = list(dict.fromkeys(legs["field"].tolist()))
-    figure, panels = plt.subplots(1, len(names), figsize=(WIDTH_IN, 3.0), sharey=True)
-    for ax, name, title in zip(panels, names, PRICED, strict=True):
+    figure, panels = plt.subplots(1, len(PRICED), figsize=(WIDTH_IN, 3.0), sharey=True)
+    for ax, (name, title) in zip(panels, PRICED.items(), strict=True):
         for price, colour, mark, label in (
             ("sequence", FAINT, "o", "by the sequence"),
             ("free", plot.COLOURS["phasing"], "x", "by free burns"),

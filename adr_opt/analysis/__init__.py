@@ -3,8 +3,9 @@
 `price` times an order of bodies and says where it breaks; `compare` lays plans side by side;
 `tradeoff` plans and proves over budgets and durations, and `frontier` says what it takes to be done
 sooner; `design_study` plans, bounds and evaluates designs of campaigns, in euros; `replan` plans
-the rest anew; `rehearse` flies a mission many times as it may happen, and `robust` makes a plan
-that is kept with a confidence; `plan_of` makes a plan of departures that the caller chose.
+the rest anew; `rehearse` flies a mission many times as it may happen, `robust` makes a plan that
+is kept with a confidence, and `expected` one that collects most on average; `plan_of` makes a plan
+of departures that the caller chose.
 """
 
 from .comparison import Comparison, compare
@@ -16,6 +17,7 @@ from .rehearse.rehearsals import Rehearsals
 from .rehearse.sampling import rehearse
 from .replan.replanned import Replanned
 from .replan.replanning import replan
+from .robust.expected import ExpectedPlan, expected
 from .robust.robust import robust
 from .robust.robust_plan import RobustPlan
 from .trade import Axis, Ending, Tradeoff, frontier, parse_axis, tradeoff
@@ -27,6 +29,7 @@ __all__ = [
     "DesignPoint",
     "DesignStudy",
     "Ending",
+    "ExpectedPlan",
     "PricedOrder",
     "PricedRoute",
     "Rehearsals",
@@ -35,6 +38,7 @@ __all__ = [
     "Tradeoff",
     "compare",
     "design_study",
+    "expected",
     "frontier",
     "orders_of",
     "parse_axis",

@@ -66,7 +66,10 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
         cuts = tuple(_named(instance, each) for each in evidence.cuts)
         if evidence.floors is not None:
             floors = ProvenFloors(
-                worth_per_s=evidence.floors.per_s, worth_per_m_s=evidence.floors.per_m_s
+                worth_per_s=evidence.floors.per_s,
+                worth_per_m_s=evidence.floors.per_m_s,
+                ballast_kg=evidence.floors.ballast_kg,
+                alone=evidence.floors.alone,
             )
         multipliers = _multipliers(instance, evidence.multipliers)
     return Certificate(

@@ -73,11 +73,17 @@ class Floors:
         Prices of time [worth per s] and of ΔV [worth per m/s].
     most : float
         No plan is worth more.
+    ballast_kg : float
+        With which ΔV is counted where services change masses.
+    alone : bool
+        Whether each chaser is bounded by itself, in whole steps of the prizes.
     """
 
     per_s: float
     per_m_s: float
     most: float
+    ballast_kg: float = 0.0
+    alone: bool = False
 
 
 @dataclass(frozen=True, eq=False)

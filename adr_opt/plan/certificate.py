@@ -14,7 +14,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 from ..common.card import Shown
 from ..common.errors import InputError
 from ..common.files import parse_model, read_text, to_text, write_bytes
-from ..common.records import Name, NonNegative, Positive, Record
+from ..common.records import Name, NonNegative, Positive, Record, without_usual
 from .plan import FORMER_MODEL, InstanceReference, Model, Plan, without_former_model
 
 FORMAT: Literal["adr-opt-certificate/1"] = "adr-opt-certificate/1"
@@ -65,11 +65,19 @@ class ProvenFloors(Record):
 
     With the least time t and the least ΔV c that a service takes from wherever it may be, no plan
     is worth more than its time and its tank at these prices and, of each target, what it is worth
-    beyond t and c at them; where a refuelling takes no less than a tank is worth.
+    beyond t and c at them; where a refuelling takes no less than a tank is worth. Of tanks by mass
+    ΔV counts as with a ballast of ``ballast_kg``. With ``alone`` that holds of each chaser, and no
+    plan is worth more than the sum of what is left of that in whole steps of the prizes.
     """
 
     worth_per_s: Worth
     worth_per_m_s: Worth
+    ballast_kg: Worth = 0.0
+    alone: bool = False
+
+    @model_serializer(mode="wrap")
+    def _without_defaults(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without_usual(self, write(self), "ballast_kg", "alone")
 
 
 class ProvenCost(Record):

@@ -281,14 +281,28 @@ class Unvisited(Record):
     reason: Reason
 
 
+class ExpectedPrize(Record):
+    """What following a plan collects on average (docs/model.md section 13.5).
+
+    ``prize`` is the mean of ``worlds`` rehearsals, with its ``standard_error``, in worlds of the
+    uncertainty file whose digest is ``uncertainty_sha256``.
+    """
+
+    prize: float
+    standard_error: Annotated[float, Field(ge=0.0)]
+    worlds: Annotated[int, Field(ge=2)]
+    uncertainty_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
 class Plan(Shown, Record):
     """A mission plan with its quality certificate.
 
     ``status`` speaks of ``objective``, the prize: ``upper_bound`` is what no plan exceeds.
     ``cost_status`` speaks of ``cost`` at that prize: ``cost_bound`` is what no plan costs less than
     that collects as much; the three are null if not proven. ``model`` is the version
-    of docs/model.md that its costs are of. ``flown`` says what came of flying it, where that was
-    done; files say nothing of it where it was not.
+    of docs/model.md that its costs are of. ``expected`` is what the plan was chosen for where that
+    is not the objective but what following it collects on average. ``flown`` says what came of
+    flying it, where that was done; files say nothing of either where it was not.
     """
 
     format: Literal["adr-opt-plan/2"] = FORMAT
@@ -309,11 +323,12 @@ class Plan(Shown, Record):
     notes: Annotated[tuple[str, ...], Field(strict=False)] = ()
     routes: Annotated[tuple[Route, ...], Field(strict=False)] = ()
     unvisited: Annotated[tuple[Unvisited, ...], Field(strict=False)] = ()
+    expected: ExpectedPrize | None = None
     flown: PlanFlight | None = None
 
     @model_serializer(mode="wrap")
     def _without_former_model(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(without_former_model(write(self)), "flown")
+        return without(without_former_model(write(self)), "expected", "flown")
 
     @property
     def has_former_drifts(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +18,9 @@ from adr_opt.fly.refine.bodies import state_of
 from adr_opt.fly.refine.tow import lowest_m
 from adr_opt.judge.refined.release import released
 from adr_opt.judge.refined.verdict import check_refined
+from adr_opt.judge.refined.world import FreeMotion
 from adr_opt.kernels.orbits.gravity import FIELDS
-from adr_opt.plan.refined_plan import RefinedTow
+from adr_opt.plan.refined_plan import Gravity, RefinedLeg, RefinedTow
 from adr_opt.problem.bodies import Target
 from adr_opt.problem.transfer_sizes import transfers_for
 
@@ -173,7 +175,8 @@ def releases(catalogue: Path, tows: int = 100) -> None:
     Neighbours by node are towed two by two, by a chaser that is launched onto the first: once to a
     circle of 450 km and once down to a perigee of 50 km. Shown are the largest distances of the
     mean perigee and apogee from the circle, and of the least radius in the first revolution from
-    that of the perigee; and the least altitude of chasers, alone and on their legs.
+    that of the perigee; and the least altitude of chasers: alone, of the osculating perigees on
+    their legs, and passed there.
     """
     options = (
         "--no-refuelling --max-targets 120 --duration-days 5 --tow 800 --disposal-altitude 450"
@@ -182,9 +185,12 @@ def releases(catalogue: Path, tows: int = 100) -> None:
     limit_m = EARTH_RADIUS_M + instance.transfer.min_altitude_m
     objects = sorted(instance.targets, key=lambda target: target.orbit.raan_deg)
     high = [each for each in objects if _perigee_m(each) > limit_m]
-    head("disposal", "tows", "e", "off, km", "95 %", "chaser alone, km", "on its legs, km", "held")
+    head(
+        *("disposal", "tows", "e", "off, km", "95 %", "chaser alone, km"),
+        *("perigees on its legs, km", "passed there, km", "held"),
+    )
     for disposal in ({"circle_m": 450e3}, {"perigee_m": 50e3}):
-        off, alone, legs, shapes, held = [], [], [], [], 0
+        off, alone, legs, passed, shapes, held = [], [], [], [], [], 0
         for pair in zip(high[::2], high[1::2], strict=False):
             if len(off) >= tows:
                 break
@@ -200,6 +206,7 @@ def releases(catalogue: Path, tows: int = 100) -> None:
             shapes += [target.orbit.eccentricity for target in pair]
             for leg in refined.legs:
                 legs.append(leg.lowest_altitude_m / 1e3)
+                passed.append((_least_m(leg, refined.gravity) - EARTH_RADIUS_M) / 1e3)
                 for tow in leg.removals:
                     off.append(_off_km(tow, disposal, refined.gravity))
                     lowest = lowest_m(state_of(tow.onward), refined.gravity)
@@ -207,8 +214,16 @@ def releases(catalogue: Path, tows: int = 100) -> None:
         row(
             *(next(iter(disposal)), len(off), f"{min(shapes):.4f} to {max(shapes):.4f}"),
             *(f"{max(off):.2f}", f"{np.quantile(off, 0.95):.2f}", f"{min(alone):.1f}"),
-            *(f"{min(legs):.1f}", f"{held} of {len(shapes) // 2}"),
+            *(f"{min(legs):.1f}", f"{min(passed):.1f}", f"{held} of {len(shapes) // 2}"),
         )
+
+
+def _least_m(leg: RefinedLeg, gravity: Gravity) -> float:
+    """Least radius passed between the states of a leg."""
+    world = FreeMotion(gravity)
+    return min(
+        world.arc(state_of(one), one.time_s, after.time_s)[1] for one, after in pairwise(leg.states)
+    )
 
 
 def _perigee_m(target: Target) -> float:

@@ -27,7 +27,7 @@ from ..routes.one_chaser import FloatArray
 from ..routes.route_pool import RoutePool
 from ..routes.route_search import RouteSearch
 from ..routes.target_exchange import Exchanges
-from ..walks.floors import floor_bound
+from ..walks.floors import floor_evidence
 from .options import AutoOptions, ExactOptions, Goals
 from .rounds import Task, run
 
@@ -72,7 +72,6 @@ class _Prover(ConcurrentProof[ColumnProof]):
 
         def made() -> ColumnProof | None:
             if stop.remaining_s() < max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(problem)):
-                own.lower(floor_bound(problem))
                 return None
             return ColumnProof(problem, own, self._pool, seed, stop, options)
 
@@ -204,11 +203,11 @@ def plan(
         scale = max(1, round(sweep_s(problem) / USUAL_SWEEP_S))
         prover = _Prover(problem, certificate, pool, seed, within, options)
     search.begin(None if start is None else tuple(map(tuple, start)), scale)
+    if goals.proves:
+        certificate.lower(*floor_evidence(problem))
     lacking = lacks_plan(problem, certificate)
     rounds = 0
     infeasible = lacking and settle(problem, certificate, pool, stop)
-    if goals.proves and prover is None:
-        certificate.lower(floor_bound(problem))
     if not infeasible:
         rounds = run(
             certificate,

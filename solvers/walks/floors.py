@@ -13,29 +13,40 @@ of ΔV with τ t_s ≥ λ b,
 
     Σ prize_j x_j ≤ τ T + λ B + Σ max(0, prize_j − τ t_j − λ c_j) ,
 
-and the best τ for a λ is where a knapsack filled in order of worth per time is full. No table of
-pairs is looked at, but for costs that are given.
+and the best τ for a λ is where a knapsack filled in order of worth per time is full. The same holds
+of each chaser alone, and where prizes have a step each of these bounds is rounded down to one
+before they are added up. No table of pairs is looked at, but for costs that are given.
+
+Where a service changes masses, what is left is no sum of ΔV. Let m be the mass of the chaser
+without kits, c = g₀ Isp, and x_j the least ΔV of a leg to j, with the kit of mass k that it takes,
+after which j, of mass D, is towed by burns of t, and burns of b lead back. By the rocket equation
+backwards a chaser that is left with m had
+
+    f_j(m) = α_j m + β_j ,    α_j = exp((x_j + t + b) / c) ,
+    β_j = D (exp(t / c) − 1) exp(x_j / c) + k (exp(x_j / c) − 1)
+
+or more before it. With any ballast s ≥ 0, φ(m) = c ln((m + s) / (m_dry + s)) rises with m, so that
+c_j = min φ(f_j(m)) − φ(m) over the masses of a chaser, and B = φ of the largest of them, keep to
+the second sum. That difference rises or falls with m all the way, and so is least at an end.
+Without ballast it is what legs take of ΔV; with s = β_j / (α_j − 1) the same at every mass, so that
+tows lose nothing; and with ever more the least propellant, at the least mass.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.common.constants import MU_M3_S2, SLACK_S
-from adr_opt.kernels.core.compile import kernel
-from adr_opt.kernels.legs import co_elliptic
-from adr_opt.kernels.legs.fixed_points import BAND_S
-from adr_opt.kernels.orbits import elements
-from adr_opt.kernels.orbits.ephemeris import EPOCH_S, inclination_at, planes_drift, radius_at
-from adr_opt.legs.families.registry import registered_of
 from adr_opt.mission.evidence import Evidence, Floors
 from adr_opt.mission.mission import Mission
-from adr_opt.mission.problem import Problem
-from adr_opt.problem.instance import Instance
+from adr_opt.mission.problem import Problem, problem_of
+from adr_opt.problem.chasers import TankByMass
+
+from .least_legs import GUARD, floors
 
 PRICES = 200
 """Number of prices of ΔV tried."""
@@ -43,11 +54,11 @@ PRICES = 200
 SLOT_M_S = 20.0
 """Slot of ΔV stated in certificates that do not use it [m/s]."""
 
-GUARD = 1e-9
-"""Relative reduction of floors for rounding."""
+OVER = 5e-7
+"""Relative increase of bounds: other code comes to the same ones within less."""
 
-ROUNDING = 1e-12
-"""Increase of a turn's cosine for rounding: near 1 the guard does not cover it."""
+MUCH = 1e3
+"""Largest ballast, as a multiple of the mass of an empty chaser."""
 
 
 class Priced(NamedTuple):
@@ -65,6 +76,7 @@ class Sack(NamedTuple):
     ----------
     prize, took, cost : (bodies,) float64
         Worths, 0 where a body cannot be serviced; least times [s] and least ΔV [m/s], +inf there.
+        ΔV here and below is with the ballast.
     time_s : float
         Of the mission [s].
     budget, tank : float
@@ -82,58 +94,118 @@ class Sack(NamedTuple):
     stop_s: float
 
 
-def floor_bound(problem: Problem) -> float:
-    """Upper bound on plans of a mission or a campaign.
+def floor_evidence(problem: Mission | Problem) -> tuple[float, Evidence]:
+    """Upper bound on plans of a mission or a campaign, with its evidence.
 
-    Returns
-    -------
-    float
-        In worths, as :attr:`adr_opt.kernels.rules.rules.Rules.prize` has them.
+    In worths, as :attr:`adr_opt.kernels.rules.rules.Rules.prize` has them.
     """
-    return _priced(problem.missions).most
+    problem = problem_of(problem)
+    distinct = {id(mission): mission for mission in problem.missions}
+    number = [sum(id(each) == key for each in problem.missions) for key in distinct]
+    least = Floors(0.0, 0.0, math.inf)
+    for ballast_kg in sorted(set(chain.from_iterable(map(_ballasts, distinct.values())))):
+        sacks = [sack_of(mission, ballast_kg) for mission in distinct.values()]
+        most, per_s, per_m_s = knapsack(_together(sacks, number))
+        found = [Floors(per_s, per_m_s, most, ballast_kg)]
+        if len(problem.missions) > 1 and problem.prize_step:
+            for sack in sacks:
+                _, per_s, per_m_s = knapsack(sack)
+                parts = [problem.rounded_down(worth_at(each, per_s, per_m_s)) for each in sacks]
+                most = math.fsum(np.multiply(number, parts))
+                found.append(Floors(per_s, per_m_s, most, ballast_kg, alone=True))
+        least = min(least, *found, key=lambda each: each.most)
+    return least.most, Evidence(np.zeros(len(problem.names)), (), SLOT_M_S, least)
 
 
-def floor_evidence(mission: Mission) -> tuple[float, Evidence]:
-    """Upper bound of a mission, with its evidence."""
-    most, per_s, per_m_s = _priced((mission,))
-    bodies = len(mission.names)
-    return most, Evidence(np.zeros(bodies), (), SLOT_M_S, Floors(per_s, per_m_s, most))
-
-
-def _priced(missions: Sequence[Mission]) -> Priced:
-    distinct = {id(mission): mission for mission in missions}
-    sacks = {key: sack_of(mission) for key, mission in distinct.items()}
-    every = [sacks[id(mission)] for mission in missions]
-    return knapsack(
-        Sack(
-            prize=np.max([sack.prize for sack in every], axis=0),
-            took=np.min([sack.took for sack in every], axis=0),
-            cost=np.min([sack.cost for sack in every], axis=0),
-            time_s=math.fsum(sack.time_s for sack in every),
-            budget=math.fsum(sack.budget for sack in every),
-            tank=max(sack.tank for sack in every),
-            stop_s=min(sack.stop_s for sack in every),
-        )
+def _together(sacks: Sequence[Sack], number: Sequence[int]) -> Sack:
+    """One knapsack of all chasers, of which there are so many of each kind."""
+    return Sack(
+        prize=np.max([sack.prize for sack in sacks], axis=0),
+        took=np.min([sack.took for sack in sacks], axis=0),
+        cost=np.min([sack.cost for sack in sacks], axis=0),
+        time_s=math.fsum(n * sack.time_s for n, sack in zip(number, sacks, strict=True)),
+        budget=math.fsum(n * sack.budget for n, sack in zip(number, sacks, strict=True)),
+        tank=max(sack.tank for sack in sacks),
+        stop_s=min(sack.stop_s for sack in sacks),
     )
 
 
-def sack_of(mission: Mission) -> Sack:
+def sack_of(mission: Mission, ballast_kg: float = 0.0) -> Sack:
     """Knapsack of one chaser."""
     rules = mission.rules
     least_s, least_m_s = floors(mission)
+    uses, launched = _uses(mission, least_m_s, ballast_kg), rules.start in mission.instance.launches
+    if launched:  # what no leg leads to may be the first
+        uses = uses._replace(cost=np.where(uses.cost <= uses.budget, uses.cost, uses.of_service))
     possible = (rules.windows.opening <= rules.windows.closing) & np.isfinite(least_s)
-    possible &= least_m_s <= rules.budget
+    possible &= uses.cost <= uses.budget
     possible[: rules.first_target] = False
-    took, cost = (np.where(possible, least, math.inf) for least in (least_s, least_m_s))
+    took, cost = (np.where(possible, least, math.inf) for least in (least_s, uses.cost))
     # A ready chaser takes departures a slack before, once a leg.
-    time_s, budget = max(0.0, rules.duration - rules.ready), rules.budget
-    if rules.start in mission.instance.launches:
+    time_s, budget = max(0.0, rules.duration - rules.ready), uses.budget
+    if launched:
         # A launch takes no time and no ΔV.
         time_s += float(took[possible].max(initial=0.0))
-        budget += float(cost[possible].max(initial=0.0))
+        budget += float((uses.cost[possible] - uses.of_service[possible]).max(initial=0.0))
     stop_s = float(least_s[: rules.stations].min(initial=math.inf))
     prize = np.where(possible, rules.prize, 0.0)
-    return Sack(prize, took, cost, time_s, budget, rules.budget, stop_s)
+    return Sack(prize, took, cost, time_s, budget, uses.budget, stop_s)
+
+
+class _Uses(NamedTuple):
+    """What services take of a tank at least, of a full tank, all with some ballast [m/s].
+
+    Attributes
+    ----------
+    cost, of_service : (bodies,) float64
+        With the leg to a body, and without it.
+    budget : float
+    """
+
+    cost: np.ndarray
+    of_service: np.ndarray
+    budget: float
+
+
+def _uses(mission: Mission, least_m_s: np.ndarray, ballast_kg: float) -> _Uses:
+    loads, chaser, nothing = mission.rules.loads, mission.chaser, np.zeros_like(least_m_s)
+    if loads is None or not isinstance(chaser.tank, TankByMass):
+        return _Uses(least_m_s, nothing, mission.rules.budget)
+    exhaust, dry = loads.exhaust, chaser.tank.dry_mass_kg
+    kits_kg = chaser.kit_mass_kg * np.arange(loads.full.size)
+    most = float(np.max((dry + kits_kg) * np.exp(loads.full / exhaust) - kits_kg))
+
+    def used(leg_m_s: np.ndarray) -> np.ndarray:
+        rise, more = _backwards(mission, np.minimum(leg_m_s, 2.0 * mission.rules.budget))
+        last = np.maximum((most - more) / rise, dry)  # with no more it would have been too heavy
+        ends = [np.log((rise * m + more + ballast_kg) / (m + ballast_kg)) for m in (dry, last)]
+        cost: np.ndarray = np.where(rise * dry + more > most, math.inf, exhaust * np.minimum(*ends))
+        return (1.0 - GUARD) * cost
+
+    full = exhaust * math.log((most + ballast_kg) / (dry + ballast_kg))
+    return _Uses(used(least_m_s), used(nothing), full)
+
+
+def _backwards(mission: Mission, leg_m_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """α and β [kg] of each body, with legs of some ΔV."""
+    loads, chaser = mission.rules.loads, mission.chaser
+    assert loads is not None
+    assert isinstance(chaser.tank, TankByMass)
+    tows, grows = loads.takes == 0, np.exp(leg_m_s / loads.exhaust)
+    kept = np.where(tows, loads.scale[:, 0], 1.0)
+    lost_kg = np.where(tows, loads.loss[:, 0] * chaser.tank.dry_mass_kg, 0.0)
+    kit_kg = np.where(tows, 0.0, chaser.kit_mass_kg)
+    return grows / kept, lost_kg / kept * grows + kit_kg * (grows - 1.0)
+
+
+def _ballasts(mission: Mission) -> tuple[float, ...]:
+    """Ballasts that are tried [kg]: of the middle of all bodies, and much, among them."""
+    if mission.rules.loads is None or not isinstance(mission.chaser.tank, TankByMass):
+        return (0.0,)
+    rise, more = _backwards(mission, np.minimum(floors(mission)[1], mission.rules.budget))
+    level = (more / np.maximum(rise - 1.0, GUARD))[more > 0.0]
+    some = np.quantile(level, (0.0, 0.5, 1.0)).tolist() if level.size else []
+    return (0.0, *some, MUCH * mission.chaser.tank.dry_mass_kg)
 
 
 def knapsack(sack: Sack) -> Priced:
@@ -155,143 +227,16 @@ def knapsack(sack: Sack) -> Priced:
         per_s = float((rest / took)[order[full]]) if full < order.size else 0.0
         if math.isfinite(sack.stop_s):
             per_s = max(per_s, price * sack.tank / max(sack.stop_s, GUARD))
-        value = per_s * sack.time_s + price * sack.budget
-        value += float(np.maximum(0.0, rest - per_s * took).sum())
-        least = min(least, Priced(value * (1.0 + GUARD), per_s, float(price)))
+        least = min(least, Priced(worth_at(sack, per_s, float(price)), per_s, float(price)))
     return least
 
 
-def floors(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
-    """Least time from a departure to the end of service, and least ΔV, by destination.
-
-    Returns
-    -------
-    least_s, least_m_s : (bodies,) float64
-        [s], +inf where nothing leads; [m/s].
-    """
-    instance, rules = mission.instance, mission.rules
-    if instance.given is not None:
-        least_s, least_m_s = _of_given(instance, rules.windows.opening, rules.service)
-    else:
-        least_s, least_m_s = _of_model(mission)
-        for family in registered_of(instance):
-            of_family_s, of_family_m_s = family.least(instance)
-            least_s = np.minimum(least_s, of_family_s + rules.service)
-            least_m_s = np.minimum(least_m_s, of_family_m_s)
-    if rules.loads is not None or mission.connecting.corrections:
-        least_m_s = np.zeros_like(least_m_s)  # a service changes what is left, or costs are others
-    return (
-        np.maximum(0.0, (1.0 - GUARD) * least_s - 2.0 * SLACK_S),
-        np.maximum(0.0, (1.0 - GUARD) * least_m_s),
-    )
-
-
-def _of_given(
-    instance: Instance, opens: np.ndarray, service: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Minima over all given connections."""
-    given = instance.given
-    assert given is not None
-    least_s, least_m_s = np.full((2, len(instance.names)), math.inf)
-    number = {name: body for body, name in enumerate(instance.names)}
-    of = np.array([number.get(name, -1) for name in given.names], dtype=np.int64)
-    if of.size and given.destination.size:
-        body = of[given.destination]
-        known = (body >= 0) & (of[given.origin] >= 0)
-        body = body[known]
-        end = np.maximum(given.arrival[known], opens[body]) + service[body]
-        np.minimum.at(least_s, body, end - given.departure[known])
-        np.minimum.at(least_m_s, body, given.cost[known])
-    if instance.launches:
-        # To be launched onto a target takes its service alone, and may be the only way there.
-        launched = slice(instance.first_target, None)
-        least_s[launched] = np.minimum(least_s[launched], service[launched])
-        least_m_s[launched] = 0.0
-    return least_s, least_m_s
-
-
-def _of_model(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
-    """Minima of flights at the least radius from the lowest body, and turns from the nearest plane.
-
-    A flight takes the longer the higher it begins and ends and the larger the phasing radius, and
-    where the origin's latitude runs faster it takes less time (:func:`transfer.flight_time`). No
-    turn costs less than :func:`transfer.prepare` says; where planes drift none is certain, and a
-    long transfer takes a step of its grid at least.
-    """
-    leaving, arriving, _, rule = mission.transfer_inputs
-    settings, service = mission.instance.transfer, mission.rules.service
-    drifts = planes_drift(rule.oblateness)
-    strength = 1.5 * rule.oblateness
-    widening = strength * (4.0 * np.cos(elements.inclinations(leaving, EPOCH_S)) ** 2 - 1.0)
-    radii = elements.radii(leaving, EPOCH_S)
-    flown = _flights(
-        float(radii.min()),
-        float(widening.max()),
-        arriving,
-        strength,
-        rule.first_leg_fraction,
-        rule.min_radius,
-    )
-    laps = 2.0 * math.pi / elements.latitude_rates(arriving, EPOCH_S)
-    flown += rule.approach_revolutions * laps - SLACK_S - drifts * BAND_S
-    if drifts:
-        if settings.max_drift_s > 0.0:
-            flown = np.minimum(flown, settings.drift_step_s)
-        return flown + service, np.zeros_like(flown)
-    cubes = elements.radii(arriving, EPOCH_S) ** 3
-    approach = rule.approach_length * np.sqrt(MU_M3_S2 / cubes)
-    slowest = np.sqrt(2.0 * MU_M3_S2 * radii / (rule.max_radius * (rule.max_radius + radii)))
-    return flown + service, approach + _turns(_normals(leaving), _normals(arriving), slowest)
-
-
-def _normals(bodies: np.ndarray) -> np.ndarray:
-    """Unit normals of the planes of bodies, shape (bodies, 3)."""
-    inclination, node = elements.inclinations(bodies, EPOCH_S), elements.nodes(bodies, EPOCH_S)
-    return np.stack(
-        [
-            np.sin(inclination) * np.sin(node),
-            -np.sin(inclination) * np.cos(node),
-            np.cos(inclination),
-        ],
-        axis=1,
-    )
-
-
-@kernel
-def _flights(radius_i, widening_i, arriving, strength, fraction, least):
-    """Least flight times to each body, without the approach [s]."""
-    flown = np.empty(arriving.shape[0])
-    for j in range(flown.size):
-        body = arriving[j]
-        cosine = math.cos(inclination_at(body, EPOCH_S))
-        widening_j = strength * (4.0 * cosine * cosine - 1.0)
-        flown[j] = co_elliptic.flight_time(
-            radius_i, radius_at(body, EPOCH_S), widening_i, widening_j, fraction, least
-        )[0]
-    return flown
-
-
-@kernel
-def _turns(leaving, arriving, slowest):
-    """Least cost of the turn into each body's plane, from any other one [m/s].
-
-    Parameters
-    ----------
-    leaving, arriving : (bodies, 3) float64
-        Normals of the planes.
-    slowest : (bodies,) float64
-        Least speed at the turn, by origin [m/s].
-    """
-    bodies = arriving.shape[0]
-    least = np.empty(bodies)
-    for j in range(bodies):
-        least[j] = math.inf
-        for i in range(bodies):
-            if i == j:
-                continue
-            cosine = ROUNDING
-            for axis in range(3):
-                cosine += leaving[i, axis] * arriving[j, axis]
-            turn = math.sqrt(max(0.0, 1.0 - cosine * cosine)) if cosine > 0.0 else 1.0
-            least[j] = min(least[j], slowest[i] * turn)
-    return least
+def worth_at(sack: Sack, per_s: float, per_m_s: float) -> float:
+    """The bound at prices of time and of ΔV, of which the first is raised where it is too low."""
+    if math.isfinite(sack.stop_s):
+        per_s = max(per_s, per_m_s * sack.tank / max(sack.stop_s, GUARD))
+    some = sack.prize > 0.0
+    prize, took, cost = sack.prize[some], sack.took[some], sack.cost[some]
+    over = np.maximum(0.0, prize - per_m_s * cost - per_s * np.maximum(took, GUARD))
+    value = per_s * sack.time_s + per_m_s * sack.budget + float(over.sum())
+    return value * (1.0 + OVER)

@@ -148,11 +148,30 @@ def test_a_plan_with_a_confidence_is_one_of_the_instance(planned, cli: Cli, tiny
     assert json.loads(rehearsed.out)["as_planned"]["share"] > 0.85
 
 
+def test_a_plan_for_the_expected_prize_says_so(planned, cli: Cli, tiny_file) -> None:
+    """Its file states what it collects on average, in a note and beside the objective."""
+    made = planned("--expected", "--uncertainty", "u.json", "--time-limit", 10, "--out", "p.json")
+    assert made.status == 0, made
+    assert "made for its expected prize" in made.err
+    content = json.loads(Path("p.json").read_text(encoding="utf-8"))
+    assert 0.0 < content["expected"]["prize"] <= content["objective"]
+    assert cli("check", tiny_file, "p.json").status == 0
+
+
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [
         (("--confidence", 0.9), "--confidence needs --uncertainty"),
-        (("--uncertainty", "u.json"), "--uncertainty needs --confidence"),
+        (("--uncertainty", "u.json"), "--uncertainty needs --confidence or --expected"),
+        (("--expected",), "--expected needs --uncertainty"),
+        (
+            ("--expected", "--confidence", 0.9, "--uncertainty", "u.json"),
+            "--expected does not go with --confidence",
+        ),
+        (
+            ("--expected", "--uncertainty", "u.json", "--bound", "exact"),
+            "--bound does not go with --expected",
+        ),
         (("--confidence", 1.0, "--uncertainty", "u.json"), "confidence = 1.0"),
         (("--confidence", 0.9, "--uncertainty", "none.json"), "none.json"),
         (

@@ -103,29 +103,63 @@ def rehearsed(
     kits : tuple of int
         Aboard of each chaser.
     """
-    return _Rehearsal(facts, world, policy, kits).flown()
+    chasers, planned = list[FlyingChaser](), list[FlyingChaser]()
+    for number, what in enumerate(facts.chasers):
+        slip = world.slip_s(what.name) if what.is_launched else 0.0
+        usable = world.usable_share(what.name, 1)
+        since = what.limits.ready
+        chasers.append(beginning(facts, number, kits[number], since + slip, usable))
+        # As planned: what is known of a chaser until it is free.
+        planned.append(beginning(facts, number, kits[number], since, 1.0))
+    worths = TryWorths(facts.instance, world.uncertainty)
+    return _Rehearsal(facts, world, policy, worths, chasers, planned, set()).flown()
+
+
+def flown_on(
+    now: Situation, world: DrawnWorld, policy: MissionPolicy, worths: TryWorths
+) -> FlownMission:
+    """Fly what is left of a mission in a world, from what a policy knows of it.
+
+    Legs under way go as planned.
+
+    Parameters
+    ----------
+    now : Situation
+        Left as it is.
+    world : DrawnWorld
+        Of what has still to happen.
+    policy : MissionPolicy
+    worths : TryWorths
+        Of the same uncertainty.
+
+    Returns
+    -------
+    FlownMission
+        With the prizes of the rest alone.
+    """
+    chasers, planned = ([craft.copied() for craft in now.chasers] for _ in range(2))
+    closed = set(now.closed)
+    return _Rehearsal(now.facts, world, policy, worths, chasers, planned, closed).flown()
 
 
 class _Rehearsal:
     """A mission while it is flown."""
 
     def __init__(
-        self, facts: MissionFacts, world: DrawnWorld, policy: MissionPolicy, kits: tuple[int, ...]
+        self,
+        facts: MissionFacts,
+        world: DrawnWorld,
+        policy: MissionPolicy,
+        worths: TryWorths,
+        chasers: list[FlyingChaser],
+        planned: list[FlyingChaser],
+        closed: set[int],
     ) -> None:
         self._facts, self._world, self._policy = facts, world, policy
-        self._worths = TryWorths(facts.instance, world.uncertainty)
-        self._closed: set[int] = set()
+        self._worths, self._closed = worths, closed
         self._reopened: list[tuple[float, int]] = []
-        self._chasers: list[FlyingChaser] = []
-        self._planned: list[FlyingChaser] = []
-        for number, what in enumerate(facts.chasers):
-            slip = world.slip_s(what.name) if what.is_launched else 0.0
-            usable = world.usable_share(what.name, 1)
-            since = what.limits.ready
-            self._chasers.append(beginning(facts, number, kits[number], since + slip, usable))
-            # As planned: what is known of a chaser until it is free.
-            self._planned.append(beginning(facts, number, kits[number], since, 1.0))
-        self._flown = FlownMission(self._chasers)
+        self._chasers, self._planned = chasers, planned
+        self._flown = FlownMission(chasers)
 
     def flown(self) -> FlownMission:
         """Fly on until no chaser does."""

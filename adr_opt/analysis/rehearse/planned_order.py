@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ...problem.uncertainty import Uncertainty
 from .flight import Halt, Situation
 from .flying_chasers import FINISHED, refused
-from .intended import Intended, Route
+from .intended import Intended, PlannedHop
 from .mission_facts import Hop, MissionFacts
 
 
@@ -58,7 +60,7 @@ class Skip(Follow):
         return Halt(reason)
 
 
-def planned_hop(now: Situation, route: Route, at: int) -> Hop | None:
+def planned_hop(now: Situation, route: Sequence[PlannedHop], at: int) -> Hop | None:
     """A planned leg if the chaser is where it begins and in time, else the best one there is."""
     craft, planned = now.craft, route[at]
     if craft.body == planned.origin and craft.towed == planned.towed:

@@ -1,5 +1,9 @@
 """Policies that plan what is left anew while a mission is flown.
 
+A new plan is flown only if it is worth more than the one at hand, both followed in the same drawn
+worlds. By induction over the decisions, what is flown is then worth no less on average than to
+follow the first plan (docs/model.md section 13.5).
+
 Planners run under a limit of wall time. Where one reaches it, as the planner of several chasers
 may, what it finds depends on the machine and its load, so that such a rehearsal is not a function
 of the seed alone.
@@ -36,8 +40,10 @@ from .flying_chasers import (
     beginning,
     refused,
 )
-from .intended import Intended, hops_of
+from .intended import Intended, PlannedHop, hops_of
 from .mission_facts import Hop, MissionFacts, hop_of
+from .outlook import FIRST_WORLD, WORLDS, Outlook, is_better
+from .planned_order import planned_hop
 
 SLIGHT_S = HOUR_S
 """Lateness below which a plan is kept [s]."""
@@ -49,15 +55,20 @@ TIME_LIMIT_S = 2.0
 """Limit of the wall time of a planner [s]."""
 
 
+Routes = list[list[PlannedHop]]
+"""Of each chaser, what is left of its plan."""
+
+
 class AtEveryService:
-    """Plans the rest anew whenever a chaser is free, as it is to be expected."""
+    """Plans the rest anew whenever a chaser is free, and keeps the better plan."""
 
     def __init__(
         self, facts: MissionFacts, intended: Intended, uncertainty: Uncertainty, seed: int = 0
     ) -> None:
         self._facts, self._seed = facts, seed
         self._expectation = expectation_of(facts, intended, uncertainty)
-        self._routes = [list(route) for route in intended.routes]
+        self._outlook, self._worlds = Outlook(facts, uncertainty), FIRST_WORLD
+        self._routes: Routes = [list(route) for route in intended.routes]
         self._forecast = [
             beginning(facts, chaser, intended.kits[chaser], what.limits.ready, 1.0)
             for chaser, what in enumerate(facts.chasers)
@@ -66,15 +77,16 @@ class AtEveryService:
     def next_leg(self, now: Situation) -> Hop | Halt:
         """The first leg of the plan of the rest."""
         craft = now.craft
-        if self._has_changed(now):
-            self._plan(now)
+        if self._has_changed(now) or not self._routes[craft.chaser]:
+            self._choose(now)
         route = self._routes[craft.chaser]
-        if not route and self._expectation.is_cautious:
-            self._plan(now, cautious=False)  # to be so is of no use any more
-            route = self._routes[craft.chaser]
         if not route:
             return Halt(FINISHED)
-        hop = self._earlier(craft, route.pop(0).hop)
+        found = planned_hop(now, route, 0)
+        route.pop(0)
+        if found is None:
+            return Halt("duration")
+        hop = self._earlier(craft, found)
         self._forecast[craft.chaser] = as_planned(self._facts, craft, hop)
         return hop
 
@@ -110,8 +122,23 @@ class AtEveryService:
         is_as_certain = self._expectation.sigma(found) <= self._expectation.sigma(hop)
         return found if found.arrival < hop.arrival and is_as_certain else hop
 
-    def _plan(self, now: Situation, *, cautious: bool = True) -> None:
-        """Plan what is left, for all chasers, from where they are or will be."""
+    def _choose(self, now: Situation) -> None:
+        """Plan what is left, with reserves and without, and keep to the best plan there is."""
+        worlds = range(self._worlds, self._worlds + WORLDS)
+        self._worlds = worlds.stop
+        best = None
+        for cautious in (True, False) if self._expectation.is_cautious else (False,):
+            found = self._planned(now, cautious=cautious)
+            if found is None or found == self._routes:
+                continue
+            if best is None:
+                best = self._outlook.worths(now, self._routes, worlds)
+            worths = self._outlook.worths(now, found, worlds)
+            if is_better(worths, best):
+                self._routes, best = found, worths
+
+    def _planned(self, now: Situation, *, cautious: bool) -> Routes | None:
+        """A plan of what is left, for all chasers, from where they are or will be."""
         facts, at_s = self._facts, now.craft.free_s
         flying = [craft for craft in now.chasers if craft is now.craft or not craft.ended]
         states = in_order(facts.instance, tuple(_state(facts, craft, at_s) for craft in flying))
@@ -138,15 +165,17 @@ class AtEveryService:
             if rest.result.plan is not None:
                 break
         else:
-            return
+            return None
         flown = {route.chaser: route.legs for route in rest.result.plan.routes}
         here = {facts.chasers[craft.chaser].name: craft for craft in flying}
         before = {state.chaser.name: len(state.legs) for state in states}
+        found: Routes = [list(route) for route in self._routes]
         for state in rest.states:
             name = state.chaser.name
             craft = here[name]
             more = (*state.legs[before[name] :], *state.onward(flown.get(name, ())))
-            self._routes[craft.chaser] = list(hops_of(facts, more, craft.body, towed=craft.towed))
+            found[craft.chaser] = list(hops_of(facts, more, craft.body, towed=craft.towed))
+        return found
 
 
 class AtDeviations(AtEveryService):

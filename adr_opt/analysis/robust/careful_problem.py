@@ -11,6 +11,7 @@ proven of all plans that keep these chances.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -18,8 +19,11 @@ from ...common.errors import InputError
 from ...legs.corrections import CERTAIN, Corrections, Moments, RiskCharge
 from ...mission.problem import Problem
 from ...plan.leg_kinds import leg_kinds
+from ...plan.plan import Plan
+from ...plan.routes import routes_of
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
+from ..departures import plan_of
 from ..rehearse.mission_facts import MissionFacts
 from ..rehearse.tries import mean_worths, with_worths
 from .promise import Promise, StayTime, slip_quantile
@@ -37,15 +41,15 @@ class Levels(NamedTuple):
 
     Attributes
     ----------
-    tank : float
-        Each tank.
+    tank : float or None
+        Each tank; None: legs take what they are planned to.
     stay : float
         Each stay ends before the next leg departs.
     launch : float
         Each launch.
     """
 
-    tank: float
+    tank: float | None
     stay: float
     launch: float
 
@@ -76,7 +80,8 @@ def shared(confidence: float, promise: Promise) -> Levels:
 def between(first: Levels, second: Levels, share: float) -> Levels:
     """Levels on the way from one to the other, and beyond it, by their normal scores."""
 
-    def score(level: float) -> float:
+    def score(level: float | None) -> float:
+        assert level is not None
         return _NORMAL.inv_cdf(min(level, MOST_LEVEL))
 
     return Levels(
@@ -88,7 +93,12 @@ def between(first: Levels, second: Levels, share: float) -> Levels:
 
 
 def careful_problem(
-    facts: MissionFacts, uncertainty: Uncertainty, levels: Levels, *, threads: int | None = None
+    facts: MissionFacts,
+    uncertainty: Uncertainty,
+    levels: Levels,
+    *,
+    services_s: Mapping[str, float] | None = None,
+    threads: int | None = None,
 ) -> Problem:
     """The mission with reserves.
 
@@ -98,6 +108,9 @@ def careful_problem(
         Of the instance.
     uncertainty : Uncertainty
     levels : Levels
+    services_s : mapping of str to float, optional
+        Times of services that last otherwise than planned, by name of the target; by default as
+        long as stays do with the chance of the levels [s].
     threads : int, optional
         Of the timetable.
 
@@ -109,8 +122,8 @@ def careful_problem(
     """
     instance = _instance(facts.instance, uncertainty, levels)
     corrections = Corrections(
-        services_s=_services(facts, uncertainty, levels.stay),
-        charge=risk_charge(facts, uncertainty, levels.tank),
+        services_s=_services(facts, uncertainty, levels.stay) if services_s is None else services_s,
+        charge=None if levels.tank is None else risk_charge(facts, uncertainty, levels.tank),
     )
     finder = facts.finder.corrected(corrections).shortened(instance)
     return Problem(instance, threads=threads, connecting=finder)
@@ -185,3 +198,14 @@ def _instance(instance: Instance, uncertainty: Uncertainty, levels: Levels) -> I
     mission = instance.mission.replace(launch_separation_s=None)
     instance = instance.replace(chasers=tuple(chasers), mission=mission)
     return with_worths(instance, mean_worths(instance, uncertainty))
+
+
+def as_it_is(problem: Problem, plan: Plan) -> Plan:
+    """A plan with reserves as a plan of the instance: the same connections at their own cost."""
+    legs = {
+        each.chaser.name: [
+            (leg.destination, leg.departure_s, leg.arrival_s) for _, leg in each.legs
+        ]
+        for each in routes_of(problem.instance, plan)
+    }
+    return plan_of(problem, legs if len(problem.missions) > 1 else next(iter(legs.values())))

@@ -23,18 +23,16 @@ from ...common.tolerance import RELATIVE
 from ...mission.problem import Problem
 from ...mission.result import Result
 from ...plan.plan import Plan
-from ...plan.routes import routes_of
 from ...problem.instance import AnyInstance, Instance
 from ...problem.support import followed
 from ...problem.uncertainty import Uncertainty
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
 from ...run.methods import PLANNERS
-from ..departures import plan_of
 from ..rehearse.intended import Intended, intended
 from ..rehearse.mission_facts import FOLLOWS, MissionFacts
 from ..rehearse.sampling import Setting, flown_in
 from ..rehearse.tries import common_share, mean_worths
-from .careful_problem import Levels, between, careful_problem, equal, is_bounded, shared
+from .careful_problem import Levels, as_it_is, between, careful_problem, equal, is_bounded, shared
 from .promise import Promise, promise_of
 from .robust_plan import Caution, RobustPlan
 
@@ -232,7 +230,7 @@ class _Search:
         if result.plan is None:
             self._rounds.append(Caution(levels, -math.inf, 0.0))
             return None
-        plan = _as_it_is(self._whole, result)
+        plan = as_it_is(self._whole, result.plan)
         planned = intended(self._facts, plan)
         promise, kept = promise_of(self._facts, planned, self._uncertainty), 0.0
         if promise.keeps(self._confidence):
@@ -254,15 +252,3 @@ class _Search:
     def _worth(self, plan: Plan) -> float:
         prizes = self._worths or self._prizes
         return math.fsum(prizes[leg.destination] for leg in plan.legs if leg.destination in prizes)
-
-
-def _as_it_is(problem: Problem, result: Result) -> Plan:
-    """A plan with reserves as a plan of the instance: the same connections at their own cost."""
-    assert result.plan is not None
-    legs = {
-        each.chaser.name: [
-            (leg.destination, leg.departure_s, leg.arrival_s) for _, leg in each.legs
-        ]
-        for each in routes_of(problem.instance, result.plan)
-    }
-    return plan_of(problem, legs if len(problem.missions) > 1 else next(iter(legs.values())))

@@ -21,6 +21,8 @@ from .refine import Refining, refine_options, run_refined, save_refined, tell_re
 from .work import say_notes, work
 
 if TYPE_CHECKING:
+    from ...common.progress import Progress
+    from ...common.stop import Stop
     from ...fly.refine.loop import RefinedResult
     from ...mission.result import Result
     from ...plan.plan import Plan
@@ -29,18 +31,28 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Confident:
-    """What is asked for with ``--confidence``.
+class Uncertain:
+    """What is asked for with ``--uncertainty``.
 
     Attributes
     ----------
     confidence : float or None
-        None if it is not given.
+        Of ``--confidence``; None if it is not given.
+    expected : bool
+        Whether ``--expected`` is.
     uncertainty_path : str or None
     """
 
     confidence: float | None
+    expected: bool
     uncertainty_path: str | None
+
+    @property
+    def asked(self) -> str:
+        """The option that asks for a plan of an uncertain mission; empty if none does."""
+        if self.confidence is not None:
+            return "--confidence"
+        return "--expected" if self.expected else ""
 
     def check(self, others: dict[str, bool]) -> None:
         """Refuse options that do not go together.
@@ -55,58 +67,59 @@ class Confident:
         InputError
             One of the two is missing, or another option is given.
         """
-        if (self.confidence is None) != (self.uncertainty_path is None):
-            given, missing = "--confidence", "--uncertainty"
-            if self.confidence is None:
-                given, missing = missing, given
-            raise InputError(f"{given} needs {missing}; give both")
-        for option, is_given in others.items():
-            if self.confidence is not None and is_given:
-                raise InputError(f"{option} does not go with --confidence; leave one of them out")
+        if self.asked and self.uncertainty_path is None:
+            raise InputError(f"{self.asked} needs --uncertainty; give both")
+        if self.uncertainty_path is not None and not self.asked:
+            raise InputError("--uncertainty needs --confidence or --expected; give one of them")
+        both = {"--expected": self.expected and self.confidence is not None}
+        for option, is_given in (both | others).items():
+            if self.asked and is_given:
+                raise InputError(f"{option} does not go with {self.asked}; leave one of them out")
 
 
-confident_options = param.together(
+uncertain_options = param.together(
     param.number(
         "--confidence", "C", "Chance with which the plan is to be kept; with --uncertainty."
     ),
+    param.flag(
+        "--expected", "Plan for what is collected on average when followed; with --uncertainty."
+    ),
     param.file("--uncertainty", "Uncertainty file.", name="uncertainty_path"),
 )
-"""The options of planning with a confidence."""
+"""The options of plans of uncertain missions."""
 
 
-def run_confident(
+def run_uncertain(
     instance: Instance,
     method: str,
-    asked: Confident,
+    asked: Uncertain,
     given: RunOptions,
     *,
     as_json: bool,
     quiet: bool,
 ) -> Result:
-    """Plan with a confidence, and print the notes."""
+    """Plan an uncertain mission, and print the notes."""
+    from ...analysis.robust.expected import expected
     from ...analysis.robust.robust import robust
     from ...problem.uncertainty import Uncertainty
 
-    assert asked.confidence is not None
     assert asked.uncertainty_path is not None
-    confidence, uncertainty = asked.confidence, Uncertainty.load(asked.uncertainty_path)
-    result = work(
-        lambda stop, progress: robust(
-            instance,
-            uncertainty,
-            confidence,
-            method,
-            time_limit=given.time_limit,
-            seed=given.seed,
-            bound=given.bound,
-            jobs=given.jobs,
-            stop=stop,
-            progress=progress,
-            **given.options,
-        ),
-        live=wanted(as_json, quiet),
-        quiet=quiet,
-    ).result
+    uncertainty = Uncertainty.load(asked.uncertainty_path)
+    how: dict[str, Any] = {
+        "time_limit": given.time_limit,
+        "seed": given.seed,
+        "jobs": given.jobs,
+        **given.options,
+    }
+
+    def made(stop: Stop, progress: Progress) -> Result:
+        how.update(stop=stop, progress=progress)
+        if asked.confidence is None:
+            return expected(instance, uncertainty, method, **how).result
+        confidence, bound = asked.confidence, given.bound
+        return robust(instance, uncertainty, confidence, method, bound=bound, **how).result
+
+    result = work(made, live=wanted(as_json, quiet), quiet=quiet)
     say_notes(result, quiet)
     return result
 
@@ -135,7 +148,7 @@ def run_confident(
 @param.file("--out", "Plan file to write.")
 @certificate_option
 @refine_options
-@confident_options
+@uncertain_options
 @no_fly_option
 @param.as_json
 @param.quiet
@@ -157,6 +170,7 @@ def command(
     out: str | None,
     certificate_path: str | None,
     confidence: float | None,
+    expected: bool,
     uncertainty_path: str | None,
     no_fly: bool,
     as_json: bool,
@@ -208,8 +222,8 @@ def command(
         refine=refining.refine,
     )
     refining.check(instance_path, out)
-    confident = Confident(confidence, uncertainty_path)
-    confident.check(
+    uncertain = Uncertain(confidence, expected, uncertainty_path)
+    uncertain.check(
         {
             "--refine": refining.refine,
             "--certificate": certificate_path is not None,
@@ -217,6 +231,7 @@ def command(
             "--margin": margin > 0.0,
             "--iterations": iterations is not None,
             "--memory": memory_gib is not None,
+            "--bound": expected and bound_name is not None,
         }
     )
     given = front.RunOptions(
@@ -234,8 +249,8 @@ def command(
         )
         result = looped.result
         say_notes(result, quiet)
-    elif confidence is not None:
-        result = run_confident(instance, method, confident, given, as_json=as_json, quiet=quiet)
+    elif uncertain.asked:
+        result = run_uncertain(instance, method, uncertain, given, as_json=as_json, quiet=quiet)
     else:
         result = run_method(PLANNERS, problem, method, given, as_json=as_json, quiet=quiet)
     if result.plan is None:
