@@ -29,7 +29,7 @@ from adr_opt.ui.cli.entry import main as command_line
 PLANNER = ("solvers.planners.auto", "auto")
 """Module and function at whose call the first walk ends."""
 
-WINDOW = {"opens", "closes", "window_s"}
+WINDOW = {"opens", "closes", "window_s", "windows_s"}
 """Names of a window."""
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from ..common.constants import SLACK_S
 from ..mission.mission import Mission
 from ..mission.relaxed import LARGEST, LONGEST, Relaxed, with_tank
 
@@ -141,7 +142,7 @@ def _window(mission: Mission, moves: Moves, made: int) -> float | None:
     low, high = 0, len(ends) - 1
     while low < high:
         middle = (low + high) // 2
-        longer = rules.windows.later(j, ends[middle] - service)
+        longer = rules.windows.later(j, ends[middle] - service + SLACK_S)
         again = mission.schedules.under(rules._replace(windows=longer))
         if len(again.fronts(moves)) > len(moves):
             high = middle

@@ -187,7 +187,7 @@ class StaticModel:
         rules = self._rules
         opens, latest = rules.windows.opening[j], rules.windows.closing[j] + rules.service[j]
         earliest = float(max(rules.ready, opens) + rules.service[j])
-        latest = math.ceil(latest * STEPS_PER_S)
+        latest = math.ceil(max(latest, 0.0) * STEPS_PER_S)  # of a target without one: −inf
         return self.block.new_int_var(
             min(max(0, math.floor(earliest * STEPS_PER_S)), latest), latest, ""
         )

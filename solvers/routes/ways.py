@@ -33,6 +33,7 @@ FOLLOWS = (FIRST - {"prizes that fall"}) | {
     "several chasers",
     "functions of time",
     "functions of time for several chasers",
+    "capture windows",
 }
 """Rules that the engine follows; missions with others are left to other searches."""
 

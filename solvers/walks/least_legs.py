@@ -8,7 +8,6 @@ import numpy as np
 
 from adr_opt.common.constants import MU_M3_S2, SLACK_S
 from adr_opt.kernels.core.compile import kernel
-from adr_opt.kernels.core.windows import Windows, service_ends
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.legs.fixed_points import BAND_S
 from adr_opt.kernels.orbits import elements
@@ -34,7 +33,7 @@ def floors(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
     """
     instance, rules = mission.instance, mission.rules
     if instance.given is not None:
-        least_s, least_m_s = _of_given(instance, rules.windows, rules.service)
+        least_s, least_m_s = _of_given(instance, rules.windows.opening, rules.service)
     else:
         least_s, least_m_s = _of_model(mission)
         for family in registered_of(instance):
@@ -50,7 +49,7 @@ def floors(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _of_given(
-    instance: Instance, windows: Windows, service: np.ndarray
+    instance: Instance, opens: np.ndarray, service: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Minima over all given connections."""
     given = instance.given
@@ -62,7 +61,7 @@ def _of_given(
         body = of[given.destination]
         known = (body >= 0) & (of[given.origin] >= 0)
         body = body[known]
-        end = service_ends(windows, body, given.arrival[known], service[body])
+        end = np.maximum(given.arrival[known], opens[body]) + service[body]
         np.minimum.at(least_s, body, end - given.departure[known])
         np.minimum.at(least_m_s, body, given.cost[known])
     if instance.launches:

@@ -16,8 +16,11 @@ from adr_opt.analysis.windows import STATIONS, CaptureConditions, GroundStation,
 from adr_opt.analysis.windows.intervals import common, lasting, positive, shrunk
 from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.fly.trajectory.bodies import body_states
+from adr_opt.legs.service_limits import service_begins
+from adr_opt.plan.plan import Plan
 from adr_opt.problem.capture_windows import joined
 from adr_opt.problem.instance import Instance
+from adr_opt.ui.plot.gantt import gantt_chart
 
 NEAR_DEG = 0.05
 """How well the Sun and the stations are known."""
@@ -168,9 +171,33 @@ def test_the_verb_writes_what_it_reads(cli: Cli, field: Instance) -> None:
     assert none.err.count("can never be captured") == len(field.targets)
 
 
+def test_an_instance_with_its_windows_is_planned(cli: Cli, field: Instance) -> None:
+    """What the verb writes is an instance whose plans capture in light, and `check` agrees."""
+    Path("a.json").write_text(field.to_json(), encoding="utf-8")
+    line = "windows a.json --light --capture 60 --out w.csv --into lit.json --quiet"
+    assert cli(*line.split()).status == 0
+    lit = adr_opt.load("lit.json")
+    assert all(target.capture_s == 60.0 for target in lit.targets)
+    planned = cli("solve", "lit.json", "--method", "greedy", "--out", "p.json", "--quiet")
+    assert planned.status == 0
+    assert cli(*["check", "lit.json", "p.json"]).status == 0
+    plan = Plan.load("p.json")
+    assert plan.legs
+    targets = {target.name: target for target in lit.targets}
+    for leg in plan.legs:
+        if leg.destination in targets:
+            begins = service_begins(lit, leg)
+            within = lit.intervals_of(targets[leg.destination])
+            assert ((within[:, 0] <= begins) & (begins + 60.0 <= within[:, 1] + 1e-5)).any()
+    bands = gantt_chart(lit, plan, headed=True).series[0]
+    assert bands.name == "may be captured"
+    assert set(bands.legs) <= set(range(1, len(plan.legs) + 1))
+
+
 @pytest.mark.parametrize(
     ("line", "said"),
     [
+        ("--into ../lit.json", "in the same folder"),
         ("--contact nowhere", "no such station"),
         ("--mask 91", "mask_deg"),
         ("--margin -1", "margin_s"),

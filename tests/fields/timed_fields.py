@@ -93,3 +93,16 @@ def _target(name: str, rng: np.random.Generator, *, all_required: bool) -> Targe
         required=all_required or bool(rng.random() < 0.15),
         window_s=(opens, closes),
     )
+
+
+def captured_timed(seed: int, *, all_required: bool = False) -> Instance:
+    """The same with several windows of each target, and captures shorter than services."""
+    rng, instance = np.random.default_rng([1, seed]), timed_mission(seed, all_required=all_required)
+    service_s = instance.mission.service_s or 0.0
+    targets = []
+    for target in instance.targets:
+        edges = np.sort(rng.integers(0, 100, 2 * int(rng.integers(2, 6)))).astype(float)
+        windows = [*edges[:-2].reshape(-1, 2).tolist(), (float(edges[-2]), None)]
+        capture_s = float(rng.choice([0.0, 0.5, 1.0])) * service_s
+        targets.append(target.replace(window_s=(0.0, None), windows_s=windows, capture_s=capture_s))
+    return instance.replace(targets=tuple(targets))

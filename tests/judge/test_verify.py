@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from exact_variants import variant
 from random_rules import (
+    captured_mission,
     drifting_mission,
     falling_campaign,
     falling_mission,
@@ -50,6 +51,7 @@ every_rule = over_kinds(
     j2=(drifting_mission, 0.4, range(40), 3),
     given=(given_mission, 0.15, range(40), 5),
     prizes=(variant, 0.5, range(30), 3),
+    windows=(captured_mission, 0.2, range(60), 4),
     free=(lambda seed: freely(random_mission(seed), seed), 0.5, range(16), 2),
     free_j2=(lambda seed: freely(drifting_mission(seed), seed), 0.4, range(16), 2),
     **{

@@ -54,12 +54,20 @@ def best_route(instance: Instance) -> tuple[float, float]:
                 continue
             if not is_station and len(done) == most:
                 continue
-            opens, closes = (0.0, None) if is_station else targets[there].window_s
-            service = 0.0 if is_station else mission.service_s
+            windows, capture, service = [[0.0, math.inf]], 0.0, 0.0
+            if not is_station:
+                target, service = targets[there], mission.service_s
+                windows = instance.intervals_of(target).tolist()
+                capture = service if target.capture_s is None else target.capture_s
             for arrival, delta_v in legs(here, there, time):
-                end = max(arrival, opens) + service
-                last = mission.duration_s if closes is None else min(closes, mission.duration_s)
-                if end > last + SLACK or delta_v > left + SLACK:
+                begins = [max(arrival, opens) for opens, _ in windows]
+                fit = [
+                    begin
+                    for begin, (_, closes) in zip(begins, windows, strict=True)
+                    if begin + capture <= closes + SLACK
+                ]
+                end = min(fit, default=math.inf) + service
+                if end > mission.duration_s + SLACK or delta_v > left + SLACK:
                     continue
                 rest = chaser.tank.delta_v_m_s if is_station else left - delta_v
                 go_on(there, end, rest, cost + delta_v, done if is_station else done | {there})

@@ -92,7 +92,7 @@ def test_windows_stand_in_a_file(instance: Instance, suffix: str, tmp_path: Path
         assert again.intervals_of(target).tolist() == wanted.tolist()
         assert target.capture_s == 600.0
     windows = limits_of(again).windows
-    assert windows.latest[windows.first[-2]] == -np.inf
+    assert windows.closing[-1] == -np.inf
     assert Mission(again.part([names[0]])).rules.windows.opening[-1] == 5e3
 
 

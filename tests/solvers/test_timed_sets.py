@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from seeds import over_seeds
 from timed_enumeration import best_route
-from timed_fields import timed_mission
+from timed_fields import captured_timed, timed_mission
 
 import adr_opt
 from adr_opt.mission.certify import certificate_of
@@ -45,6 +45,13 @@ def test_routes_are_those_of_enumeration(seed: int) -> None:
 def test_tours_are_those_of_enumeration(seed: int) -> None:
     """With all targets required the end is the least of all orders, or there is no tour."""
     _compare(timed_mission(seed, all_required=True), "auto" if seed % 2 else "exact")
+
+
+@over_seeds(range(100), gate=4)
+def test_windows_are_those_of_enumeration(seed: int) -> None:
+    """With several windows of each target the same holds of routes and of tours."""
+    instance = captured_timed(seed, all_required=seed % 3 == 0)
+    _compare(instance, "exact" if seed % 2 else "auto")
 
 
 @over_seeds(range(100), gate=3)

@@ -6,7 +6,6 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_S
-from ...kernels.core.windows import service_ends
 from ...kernels.legs import found as families
 from ...kernels.rules.loads import after_service
 from ...kernels.tables.on_demand import Source, at_regular_events, shortest_sortie
@@ -111,10 +110,11 @@ class VisibleLegs:
         if own is not None:
             at = np.flatnonzero(bodies == own.destination)
             delta_v[at], arrival[at] = own.delta_v, own.arrival
-        begin = service_ends(limits.windows, bodies, arrival)
+        opens, latest = limits.windows.opening[bodies], limits.windows.closing[bodies]
+        begin = np.maximum(arrival, opens)
         free = begin + limits.service[bodies]
         station = bodies < facts.stations
-        legal = free <= limits.duration
+        legal = (begin <= latest) & (free <= limits.duration)
         legal &= (delta_v <= craft.left) & (~station | (craft.since > 0))
         left = np.where(station, full_of(what, craft.kits), craft.left - delta_v)
         if what.most_targets is not None and craft.serviced >= what.most_targets:
@@ -138,8 +138,8 @@ class VisibleLegs:
             arrival,
             free + self.later_s[bodies],
             left,
-            limits.windows.closing[bodies] + limits.service[bodies],
-            begin - arrival,
+            latest + limits.service[bodies],
+            np.maximum(opens - arrival, 0.0),
             legal,
             ranks[bodies],
             theirs[bodies],

@@ -19,12 +19,13 @@ IntArray = npt.NDArray[np.int64]
 class Windows(NamedTuple):
     """Intervals in which services may begin, with the slack of the model.
 
-    Every body has one at least; one where none may begin has one whose ``latest`` is −inf.
+    Every body has one at least; one where none may begin has one whose ``latest`` is −inf. The
+    first of each body come first, so that most need to look no further.
 
     Attributes
     ----------
     first : (bodies + 1,) int64
-        Place of the first interval of each body, and of all that are there.
+        Place of the second interval of each body, and the number of all.
     opens, latest : (intervals,) float64
         First and last time at which a service may begin, ascending at each body [s].
     """
@@ -34,50 +35,57 @@ class Windows(NamedTuple):
     latest: FloatArray
 
     @property
+    def _last(self) -> IntArray:
+        """Place of the last interval of each body."""
+        bodies = np.arange(self.first.size - 1)
+        return np.where(self.first[1:] > self.first[:-1], self.first[1:] - 1, bodies)
+
+    @property
     def opening(self) -> FloatArray:
         """Start of the first interval of each body, shape (bodies,) [s]."""
-        return self.opens[self.first[:-1]]
+        return self.opens[: self.first.size - 1]
 
     @property
     def closing(self) -> FloatArray:
         """Last time at which a service of each body may begin, shape (bodies,) [s]."""
-        return self.latest[self.first[1:] - 1]
+        return self.latest[self._last]
 
     @property
-    def bodies(self) -> IntArray:
-        """Body of each interval, shape (intervals,)."""
-        return np.repeat(np.arange(self.first.size - 1), np.diff(self.first))
+    def _by_body(self) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Body of each interval, and the intervals, in order of these."""
+        bodies = np.arange(self.first.size - 1)
+        body = np.append(bodies, np.repeat(bodies, np.diff(self.first)))
+        order = np.argsort(body, kind="stable")
+        return body[order], self.opens[order], self.latest[order]
 
     def of(self, bodies: IntArray) -> "Windows":
         """Those of some bodies, in their order."""
         counts = np.diff(self.first)[bodies]
-        places = np.repeat(self.first[bodies] + counts - np.cumsum(counts), counts)
-        places += np.arange(places.size)
-        first = np.append(0, np.cumsum(counts))
-        return Windows(first, self.opens[places], self.latest[places])
+        ends = np.cumsum(counts)
+        rest = np.arange(int(counts.sum())) + np.repeat(self.first[bodies] - ends + counts, counts)
+        places = np.append(bodies, rest)
+        first = bodies.size + np.append(0, ends)
+        return _read_only(first, self.opens[places], self.latest[places])
 
     def later(self, body: int, begin: float) -> "Windows":
         """The same with another end of the last interval of a body [s]."""
         latest = self.latest.copy()
-        latest[self.first[body + 1] - 1] = begin
-        latest.setflags(write=False)
-        return self._replace(latest=latest)
+        latest[self._last[body]] = begin
+        return _read_only(self.first, self.opens, latest)
 
     def only(self, body: int, opens: float, latest: float) -> "Windows":
         """The same with one interval of a body in place of all of its [s]."""
-        low, high = self.first[body], self.first[body + 1]
-        first = self.first - np.where(np.arange(self.first.size) > body, high - low - 1, 0)
-        return Windows(
-            first,
-            np.concatenate([self.opens[:low], [opens], self.opens[high:]]),
-            np.concatenate([self.latest[:low], [latest], self.latest[high:]]),
-        )
+        found, starts, ends = self._by_body
+        kept = (found != body) | np.append(True, found[1:] != found[:-1])
+        starts, ends = starts.copy(), ends.copy()
+        starts[found == body], ends[found == body] = opens, latest
+        return windows_of(found[kept], starts[kept], ends[kept])
 
     def until(self, latest: npt.ArrayLike) -> "Windows":
         """The same as far as services begin by a time, one for all or of each body [s]."""
-        size = self.first.size - 1
-        capped = np.minimum(self.latest, np.broadcast_to(latest, size)[self.bodies])
-        return windows_of(self.bodies, self.opens, capped)
+        body, opens, ends = self._by_body
+        capped = np.broadcast_to(latest, self.first.size - 1)[body]
+        return windows_of(body, opens, np.minimum(ends, capped))
 
 
 def windows_of(body: IntArray, opens: FloatArray, latest: FloatArray) -> Windows:
@@ -95,8 +103,16 @@ def windows_of(body: IntArray, opens: FloatArray, latest: FloatArray) -> Windows
     none = begins[~np.logical_or.reduceat(kept, begins)]
     kept[none], latest = True, latest.copy()
     latest[none] = -np.inf
-    first = np.append(np.cumsum(kept)[begins] - kept[begins], kept.sum())
-    made = Windows(first.astype(np.int64), opens[kept], latest[kept])
+    body, opens, latest = body[kept], opens[kept], latest[kept]
+    is_first = np.diff(body, prepend=-1) > 0
+    order = np.argsort(~is_first, kind="stable")
+    rest = np.bincount(body[~is_first], minlength=begins.size)
+    first = begins.size + np.append(0, np.cumsum(rest))
+    return _read_only(first, opens[order], latest[order])
+
+
+def _read_only(first: IntArray, opens: FloatArray, latest: FloatArray) -> Windows:
+    made = Windows(first.astype(np.int64), opens, latest)
     for array in made:
         array.setflags(write=False)
     return made
@@ -112,20 +128,16 @@ def _begin_among(windows, low, high, arrival):
             low = middle + 1
         else:
             high = middle
-    if low == end:
-        return np.inf
-    begin = max(arrival, windows.opens[low])
-    return begin if begin <= windows.latest[low] else np.inf
+    return max(arrival, windows.opens[low]) if low < end else np.inf
 
 
 @inlined
 def service_begin(windows, body, arrival):
     """Earliest start of a service after an arrival; +inf if there is none [s]."""
-    low, high = windows.first[body], windows.first[body + 1]
-    if high - low > 1:
-        return _begin_among(windows, low, high, arrival)
-    begin = max(arrival, windows.opens[low])
-    return begin if begin <= windows.latest[low] else np.inf
+    begin = max(arrival, windows.opens[body])
+    if begin <= windows.latest[body]:
+        return begin
+    return _begin_among(windows, windows.first[body], windows.first[body + 1], arrival)
 
 
 @inlined
@@ -137,18 +149,19 @@ def service_end(windows, body, arrival, service):
 @inlined
 def opening(windows, body):
     """Start of the first interval of a body [s]."""
-    return windows.opens[windows.first[body]]
+    return windows.opens[body]
 
 
 @inlined
 def last_begin(windows, body):
     """Last time at which a service may begin; −inf for none [s]."""
-    return windows.latest[windows.first[body + 1] - 1]
+    after = windows.first[body + 1]
+    return windows.latest[after - 1 if after > windows.first[body] else body]
 
 
 @kernel
-def _latest_among(windows, low, high, begin):
-    """The same among the intervals from ``low`` up to ``high``."""
+def _latest_among(windows, low, high, body, begin):
+    """The same where there are intervals from ``low`` up to ``high`` beside the first one."""
     start = low
     while low < high:
         middle = (low + high) // 2
@@ -156,16 +169,17 @@ def _latest_among(windows, low, high, begin):
             low = middle + 1
         else:
             high = middle
-    return min(begin, windows.latest[low - 1]) if low > start else -np.inf
+    at = low - 1 if low > start else body
+    return min(begin, windows.latest[at]) if windows.opens[at] <= begin else -np.inf
 
 
 @inlined
 def latest_arrival(windows, body, begin):
     """Latest arrival whose service begins by a time; −inf for none [s]."""
     low, high = windows.first[body], windows.first[body + 1]
-    if high - low > 1:
-        return _latest_among(windows, low, high, begin)
-    return min(begin, windows.latest[low]) if windows.opens[low] <= begin else -np.inf
+    if high > low:
+        return _latest_among(windows, low, high, body, begin)
+    return min(begin, windows.latest[body]) if windows.opens[body] <= begin else -np.inf
 
 
 @kernel

@@ -44,7 +44,7 @@ class StackedFields(NamedTuple):
         mean prizes of the field, 0 for the station: its reward. One array, since every one that
         comes as an argument takes as long as a few moves.
     places : (bodies + 1,) int64
-        Of their windows, one after the other.
+        Of second windows, of which no body has one.
     is_station : (bodies,) bool
         The same for all fields: the first body is the only station.
     tables : Table

@@ -70,7 +70,7 @@ class FieldPool:
             counts=np.zeros((slots, 1 + len(CountLimits._fields)), dtype=np.int32),
             orbits=np.zeros((slots, bodies, len(ORBIT_COLUMNS))),
             limits=np.zeros((slots, 4, bodies)),
-            places=np.arange(bodies + 1),
+            places=np.full(bodies + 1, bodies),
             is_station=np.arange(bodies) < 1,
             tables=tables,
             angle=np.zeros((slots, bodies, bodies), dtype=np.float32),
