@@ -3,18 +3,24 @@
 python bench/learning.py environment --slots 32 --runs 5 --steps 40
 python bench/learning.py worlds --slots 16 --counts 256
 python bench/learning.py policy nominal reduced-time ppo ppo:decode=beam@1 auto@1 --count 20
-python bench/learning.py curve bench/curves/set.csv
+python bench/learning.py curve
+python bench/learning.py evaluated --fields 50 --budget 16
+python bench/learning.py decisions --targets 50 500 5000
+python bench/learning.py flown --width 64
+python bench/learning.py bounds --block test --fields 24 > adr_opt/learning/weights/splits.json
 """
 
 from __future__ import annotations
 
 import csv
+import json
+import math
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 from statistics import fmean, median, stdev
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -25,22 +31,27 @@ from scipy.stats import t
 from tables import experiment, head, row, timed
 
 import adr_opt
+from adr_opt.analysis.rehearse.flight import Situation, rehearsed
+from adr_opt.analysis.rehearse.intended import Intended, intended
+from adr_opt.analysis.rehearse.learned import Learned
+from adr_opt.analysis.rehearse.mission_facts import MissionFacts
+from adr_opt.kernels.episodes.choices import COST, SAFE
 from adr_opt.kernels.episodes.episodes import Episodes, StackedFields
-from adr_opt.kernels.episodes.observation import MOVE_FIELDS
 from adr_opt.learning.environment import OBSERVATIONS, TROUBLED, TROUBLES, MissionEnv, MissionVecEnv
 from adr_opt.learning.episodes import Board
+from adr_opt.learning.evaluation import evaluate, splits
+from adr_opt.learning.held import FAMILIES as HELD_FAMILIES
+from adr_opt.learning.policy import SHIPPED, load_policy
+from adr_opt.problem.uncertainty import Uncertainty
+from adr_opt.problem.world import DrawnWorld
 from adr_opt.sources.generator import FAMILIES
-
-COST = MOVE_FIELDS.index("hours + ΔV / (450 m/s) [10 h]")
-
-SAFE = MOVE_FIELDS.index("the station stays reachable")
 
 
 class Cheap:
     """Chooses the cheapest legal move from which the station can be reached, if there is one."""
 
     def __init__(self, count: int, targets: int) -> None:
-        self.board = Board("transfer", count, targets)
+        self.board = Board("choices", count, targets)
 
     def __call__(self, pool: StackedFields, episodes: Episodes) -> npt.NDArray[np.int64]:
         """Actions of all episodes."""
@@ -129,7 +140,7 @@ def worlds(
     steps: int = 60,
     slots: int = 64,
     counts: tuple[int, ...] = (256,),
-    observations: tuple[str, ...] = ("transfer", "transfer-worlds"),
+    observations: tuple[str, ...] = ("choices",),
 ) -> None:
     """Steps a second in uncertain worlds, beside missions as planned.
 
@@ -231,18 +242,125 @@ def policy(*what: str, count: int = 20, first: int = 0, targets: int | None = No
         print(f"\nTimetable besides: {1e3 * median(tables):.0f} ms a field, median.")
 
 
-def curve(file: Path, rows: int = 12) -> None:
-    """The evaluations of a training, thinned out."""
-    with file.open(newline="", encoding="utf-8") as lines:
-        found = list(csv.DictReader(lines))
-    every = max(1, -(-len(found) // rows))
-    names = [name for name in found[0] if name not in ("steps", "seconds")]
-    head("steps", "minutes", *names)
-    for at, one in enumerate(found):
-        if at % every == 0 or one is found[-1]:
-            minutes = f"{float(one['seconds']) / 60:.0f}"
-            row(f"{int(one['steps']):,}", minutes, *(f"{float(one[name]):.2f}" for name in names))
+def curve(file: str = SHIPPED) -> None:
+    """The curve of a training, by the card of a policy or the file ``evaluations.csv``."""
+    if file.endswith(".csv"):
+        with Path(file).open(newline="", encoding="utf-8") as lines:
+            names, *found = list(csv.reader(lines))
+    else:
+        card = load_policy(file).card
+        names, found = ["steps", "seconds", *card["families"]], card["curve"]
+    head("steps", "minutes", *names[2:])
+    for steps, seconds, *visits in found:
+        minutes = f"{float(seconds) / 60:.0f}"
+        row(f"{float(steps):,.0f}", minutes, *(f"{float(each):.2f}" for each in visits))
+
+
+def evaluated(
+    file: str = SHIPPED, split: str = "test", budget: int = 1, fields: int | None = None
+) -> None:
+    """What a policy collects on a block of fields, beside what is proven of them."""
+    head("family", "fields", "visits", "gap", "share optimal")
+    found = evaluate(file, split=split, budget=budget, fields=fields)
+    for family, of in found.items():
+        known = int((~np.isnan(of.optima)).sum())
+        row(
+            family,
+            of.visits.size,
+            "{:.2f} ± {:.2f}".format(*of.mean),
+            "{:.1%} ± {:.1%} ({} fields)".format(*of.gap, known) if known else "",
+            f"{of.optimal:.0%}" if known else "",
+        )
+    of = found[family]
+    print(f"\nProcessor time of a field, all families: {1e3 * of.seconds:.0f} ms,")
+    print(f"of its timetable {1e3 * of.table_seconds:.0f} ms.")
+
+
+def decisions(targets: tuple[int, ...] = (50, 500, 5000), fields: int = 5) -> None:
+    """Processor time of decisions on demand, without a timetable, and what comes of them."""
+    head("targets", "fields", "prize", "ms a decision, median", "of 90 % of them")
+    policy = load_policy()
+    for count in targets:
+        spent, prizes = list[float](), list[float]()
+        for number in range(-1, fields):  # the first one loads kernels
+            facts = MissionFacts(adr_opt.generate("nominal", 200 + number, targets=count), cores=1)
+            flies = Learned(facts, Intended(None, ((),), (0,)), Uncertainty(), 0, policy)
+            clocked, decide = list[float](), flies.next_leg
+
+            def timed_leg(now: Situation, to: list[float] = clocked, by: Any = decide) -> Any:
+                began = time.process_time()
+                chosen = by(now)
+                to.append(time.process_time() - began)
+                return chosen
+
+            flies.next_leg = timed_leg  # type: ignore[method-assign]
+            world = DrawnWorld(facts.instance, Uncertainty(), 0)
+            prize = rehearsed(facts, world, flies, (0,)).prize
+            if number >= 0:
+                prizes.append(prize)
+                spent += clocked
+        middle, most = 1e3 * np.quantile(spent, (0.5, 0.9))
+        row(count, fields, interval(prizes), f"{middle:.2f}", f"{most:.2f}")
+
+
+FLOWN_SEED = 7_001_000
+"""First seed of the fields of :func:`flown`."""
+
+
+def flown(fields: int = 20, worlds: int = 3, width: int = 0) -> None:
+    """Prizes without the luck of captures in known and uncertain worlds, the same for any policy.
+
+    Nominal fields; with ``--width`` missions begin with the plan of a beam of that width.
+    """
+    legs = {"delta_v_factor": {"lognormal_sigma": 0.1}}
+    slow, captures = {"factor": {"lognormal_sigma": 0.5}}, {"success": 0.8, "tries": 2}
+    late = {"chance": 0.1, "mean_s": 14400.0}
+    models: dict[str, dict[str, Any]] = {
+        "known": {},
+        "dear": {"legs": legs},
+        "captures": {"capture": captures, "gone": 0.05},
+        "slow": {"service_s": slow | {"added": late}},
+        "mixed": {"legs": legs, "service_s": slow, "capture": captures, "gone": 0.05},
+    }
+    prizes = {name: list[float]() for name in models}
+    for number in range(fields):
+        facts = MissionFacts(adr_opt.generate("nominal", FLOWN_SEED + number), cores=1)
+        begun = Intended(None, ((),), (0,))
+        if width:
+            plan = adr_opt.solve(facts.instance, "beam", width=width, time_limit=math.inf).plan
+            begun = intended(facts, plan)
+        for name, model in models.items():
+            uncertainty = Uncertainty(**model)
+            collected = [
+                rehearsed(
+                    facts,
+                    DrawnWorld(facts.instance, uncertainty, 100 * number + world),
+                    Learned(facts, begun, uncertainty),
+                    (0,),
+                ).expected
+                for world in range(worlds if model else 1)
+            ]
+            prizes[name].append(fmean(collected))
+    head("worlds", "fields", "prize")
+    for name, found in prizes.items():
+        row(name, fields, interval(found))
+
+
+def bounds(block: str = "test", fields: int = 24, limit: float = 60.0) -> None:
+    """The file of blocks of fields, with bounds of the exact method for the first ones of one."""
+    blocks = splits()
+    for family in HELD_FAMILIES:
+        known = blocks["blocks"][block]["bounds"].setdefault(family, {})
+        for number in range(
+            blocks["blocks"][block]["first"], blocks["blocks"][block]["first"] + fields
+        ):
+            if str(number) not in known:
+                found = adr_opt.solve(adr_opt.generate(family, number), "exact", time_limit=limit)
+                known[str(number)] = [found.objective, found.upper_bound]
+    print(json.dumps(blocks, indent=1))
 
 
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, environment, worlds, policy, curve))
+    sys.exit(
+        experiment(__doc__, environment, worlds, policy, curve, evaluated, decisions, flown, bounds)
+    )

@@ -54,7 +54,6 @@ METHODS = (
     "ortools@3",
     "ortools@10",
     "ppo@10",
-    "ppo:policy=set-transfer@10",
     "ppo:decode=sample@10",
     "ppo:decode=beam@10",
     "exact@120",

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import csv
 import json
 import re
 import runpy
@@ -24,6 +23,7 @@ import numpy as np
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.fly.trajectory import sample
+from adr_opt.learning import load_policy
 from adr_opt.problem.settings import KeepOutZone
 from adr_opt.ui import plot
 
@@ -252,19 +252,16 @@ def own_policy(files: Path) -> Any:
     """Visits on held fields against steps, of two rollouts and of the policy of the package."""
     figure, ax = plt.subplots(figsize=(WIDTH_IN, 3.8))
     for path, dashes, width, label in (
-        (files / "runs/mine/evaluations.csv", "-", 3.0, "this page"),
-        (DOCS.parent / "bench/curves/set-transfer.csv", (0, (2, 1)), 1.8, "the package"),
+        (files / "runs/mine/last.npz", "-", 3.0, "this page"),
+        ("policy", (0, (2, 1)), 1.8, "the package"),
     ):
-        with path.open(encoding="utf-8") as lines:
-            rows = list(csv.DictReader(lines))
-        for name, phase in (
-            ("nominal", "phasing"),
-            ("reduced-fuel", "terminal"),
-            ("reduced-time", "co-elliptic"),
+        card = load_policy(path).card
+        for at, (name, phase) in enumerate(
+            zip(card["families"], ("phasing", "co-elliptic", "terminal"), strict=True), start=2
         ):
             ax.plot(
-                [max(float(row["steps"]), 8000.0) for row in rows],
-                [float(row[name]) for row in rows],
+                [max(row[0], 8000.0) for row in card["curve"]],
+                [row[at] for row in card["curve"]],
                 color=plot.COLOURS[phase],
                 lw=width,
                 ls=dashes,

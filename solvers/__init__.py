@@ -2,13 +2,11 @@
 
 1. :mod:`.planners`, :mod:`.bounds`: what a user calls, a module or a folder each; none imports
    another one.
-2. :mod:`.training`: how policies come about.
-3. :mod:`.models`: the mission as a network for solvers of integer programs.
-4. :mod:`.policies`: trained policies at work.
-5. :mod:`.beams`: beams, orders of targets, ruin and recreate.
-6. :mod:`.walks`: the network with waiting arcs, its walks and labels, and proofs by them.
-7. :mod:`.sets`: dynamic programming by sets of targets, where arrivals are functions of time.
-8. :mod:`.progress.gap`, :mod:`.progress.incumbent`: the best plan and the bound, compared in one
+2. :mod:`.models`: the mission as a network for solvers of integer programs.
+3. :mod:`.beams`: beams, orders of targets, ruin and recreate.
+4. :mod:`.walks`: the network with waiting arcs, its walks and labels, and proofs by them.
+5. :mod:`.sets`: dynamic programming by sets of targets, where arrivals are functions of time.
+6. :mod:`.progress.gap`, :mod:`.progress.incumbent`: the best plan and the bound, compared in one
    place.
 
 Each imports only from further down.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import zlib
 from typing import Any
 from zipfile import BadZipFile, ZipFile
 
@@ -34,5 +35,6 @@ def read_arrays(path: str | os.PathLike[str], most_bytes: float) -> dict[str, np
                         raise ValueError("not whole")
         with np.load(path, allow_pickle=False) as content:
             return {name: content[name] for name in content.files}
-    except (OSError, EOFError, BadZipFile) as error:
+    except (OSError, EOFError, BadZipFile, RuntimeError, zlib.error) as error:
+        # RuntimeErrors are of entries that are encrypted, or packed in a way unknown here.
         raise ValueError("no arrays") from error

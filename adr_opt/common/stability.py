@@ -23,7 +23,7 @@ PROVISIONAL = _names("""
     adr_opt.analysis.windows adr_opt.common.options adr_opt.common.stop
     adr_opt.export.flights adr_opt.export.tables adr_opt.fly.dispersion adr_opt.fly.flight
     adr_opt.fly.forces adr_opt.fly.refine.ephemeris adr_opt.fly.trajectory adr_opt.kernels
-    adr_opt.learning.environment adr_opt.legs.connections adr_opt.legs.families
+    adr_opt.learning adr_opt.learning.environment adr_opt.legs.connections adr_opt.legs.families
     adr_opt.mission.certified adr_opt.mission.order_repair adr_opt.mission.problem
     adr_opt.mission.schedule adr_opt.plan.plane_drift adr_opt.problem.bodies
     adr_opt.problem.chasers adr_opt.problem.disposal adr_opt.problem.given
@@ -43,7 +43,7 @@ STABLE_FORMATS = _names("""
 """File formats that are read, with the same meaning, by every version 1.x."""
 
 PROVISIONAL_FORMATS = _names("""
-    adr-opt-project/1 adr-opt-result/1 adr-opt-study/1 adr-opt-policy/1 adr-opt-next-leg/1
+    adr-opt-project/1 adr-opt-result/1 adr-opt-study/1 adr-opt-policy/2
 """)
 """File formats that a version may replace by others, with a line in the changelog."""
 

@@ -21,7 +21,7 @@ from sb3_contrib import MaskablePPO
 from stable_baselines3.common.env_util import make_vec_env
 
 import adr_opt
-from adr_opt.kernels.episodes.observation import COST, SAFE
+from adr_opt.kernels.episodes.choices import COST, SAFE
 from adr_opt.learning.environment import ID, UNCERTAIN_ID, MissionEnv
 from adr_opt.mission.certified import certify
 from adr_opt.mission.result import Result

@@ -10,6 +10,10 @@ from adr_opt.common.options import Options, option
 from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
+from adr_opt.learning.decoding import Field
+from adr_opt.learning.policy import load_policy
+from adr_opt.learning.policy_beam import PolicyBeamSettings as PolicyBeam
+from adr_opt.learning.policy_beam import beam as beam_by_policy
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
@@ -17,10 +21,6 @@ from adr_opt.mission.result import Result
 from ..beams.beams import USUAL, BeamSettings, with_time_value
 from ..beams.exchange_rates import worth_of
 from ..beams.timely_beams import Beams, pilots
-from ..policies import load_policy
-from ..policies.decoding import Field
-from ..policies.policy_beam import PolicyBeamSettings as PolicyBeam
-from ..policies.policy_beam import beam as beam_by_policy
 from ..progress.incumbent import Incumbent
 
 
@@ -59,7 +59,7 @@ class BeamOptions(Options, method="beam"):
     )
     policy: str = option(
         "",
-        "A learned policy as prior, `set` or a file written by `train` (extra `[ppo]`): partial "
+        "A learned policy as prior, `policy` or a file written by `train`: partial "
         "plans are also compared by the probability of their moves, so that a width of some "
         "hundred is enough. Crowding and noise are then ignored.",
     )
@@ -127,8 +127,7 @@ def _by_policy(
         What to say of the policy.
     """
     threads = usable_cores()
-    learned = load_policy(options.policy, threads)
-    learned.check_size(len(mission.names) - 1)
+    learned = load_policy(options.policy)
     if not mission.instance.targets:
         return 0, ()
     worth = worth_of(mission)

@@ -13,20 +13,19 @@ from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
+from adr_opt.learning.decoding import Field, play
+from adr_opt.learning.policy import SHIPPED, load_policy
+from adr_opt.learning.policy_beam import PolicyBeamSettings, beam
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
-from ..policies import SHIPPED, load_policy
-from ..policies.decoding import Field, chunks, gumbel, play
-from ..policies.policy_beam import PolicyBeamSettings, beam
 from ..progress.incumbent import Incumbent
 
 PUNCTUAL = 0.9
 """Share of the remaining time that a beam may be expected to take."""
-PRIOR_WEIGHT, PRIOR_WEIGHT_BESIDE_CHAINS = 0.05, 0.005
-"""Worth of a unit of log-probability in a beam [targets]. If the policy sees chains, their promises
-already contain most of it."""
+PRIOR_WEIGHT = 0.05
+"""Worth of a unit of log-probability in a beam [targets]."""
 
 BATCH = 64
 """Number of samples played concurrently."""
@@ -36,9 +35,7 @@ BATCH = 64
 class PpoOptions(Options, method="ppo"):
     """Options of the planner ``ppo``."""
 
-    policy: str = option(
-        "", "A policy of the package or a file written by `train`; `set` if empty."
-    )
+    policy: str = option("", "A file written by `train`; the policy of the package if empty.")
     decode: str = option(
         "greedy",
         "`greedy`: the best-scored move at each step, within milliseconds. `sample`: the best of "
@@ -50,7 +47,7 @@ class PpoOptions(Options, method="ppo"):
         512, "Maximum number of plans drawn by `sample`.", least=1, most=10_000_000
     )
     temperature: float = option(
-        1.5, "Temperature of samples; lower values keep closer to the best move.", above=0.0
+        1.0, "Temperature of samples; lower values keep closer to the best move.", above=0.0
     )
     width: int = option(
         100,
@@ -81,19 +78,16 @@ def ppo(
 ) -> Result:
     """A policy trained by masked PPO.
 
-    Runs without PyTorch (extra ``[ppo]``). The policies of the package do not see
-    prizes; of the plans that they lead to, the one that collects most is kept.
+    Runs in NumPy, without PyTorch. Of the plans that it leads to, the one that collects most is
+    kept.
 
     Raises
     ------
     InputError
-        A file that is no policy, or more targets than the policy takes.
-    MissingExtra
-        ONNX Runtime is not installed.
+        A file that is no policy, or too many bodies for the timetable of all pairs.
     """
     threads = options.jobs or usable_cores()
-    learned = load_policy(options.policy or SHIPPED, threads)
-    learned.check_size(len(mission.names) - 1)
+    learned = load_policy(options.policy or SHIPPED)
     if mission.timetable.pairs.near.shape[1] < len(mission.names) - 1:
         raise InputError(
             f"ppo plans on the timetable of all pairs, and {len(mission.names)} bodies are too "
@@ -106,19 +100,19 @@ def ppo(
     best = Incumbent(mission, by_choice=True)
     if instance.targets and budget > 0.0 and duration > 0.0:
         field = Field(mission, learned, threads)
-        play(field, 1, None, 1.0, best.offer)
+        play(field, 1, best.offer)
         counters["plans"] = 1
         tell_plan(progress, best.objective, best.sequence or ())
         if options.decode == "sample":
-            noise = gumbel(np.random.default_rng(np.random.SeedSequence([seed, 5])))
-            for count in chunks(options.samples - 1, BATCH):
+            rng = np.random.default_rng(np.random.SeedSequence([seed, 5]))
+            for drawn in range(1, options.samples, BATCH):
                 if stop(best.objective, math.inf):
                     break
-                play(field, count, noise, options.temperature, best.offer)
+                count = min(BATCH, options.samples - drawn)
+                play(field, count, best.offer, rng, options.temperature)
                 counters["plans"] += count
                 tell_plan(progress, best.objective, best.sequence or ())
         elif options.decode == "beam":
-            weight = PRIOR_WEIGHT_BESIDE_CHAINS if field.sees_chains else PRIOR_WEIGHT
             pace_s, widest = 0.0, 0  # of a beam, per unit of width; of all of them
             for number in range(options.beams):
                 if stop(best.objective, math.inf):
@@ -133,7 +127,7 @@ def ppo(
                 if wide <= widest:
                     break
                 widest = wide
-                settings = PolicyBeamSettings(wide, weight)
+                settings = PolicyBeamSettings(wide, PRIOR_WEIGHT)
                 since = now_s()
                 counters["states"] += beam(
                     field, settings, best.offer, lambda: bool(stop(best.objective, math.inf))

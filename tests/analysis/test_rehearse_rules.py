@@ -72,7 +72,7 @@ def test_a_leg_is_refused_where_a_move_is_illegal(draw: Callable[[int], Instance
                 assert may == (said == ""), (seed, state, j, said)
                 legal, illegal = legal + may, illegal + (not may)
             if visible is not None:
-                seen = visible.choices(craft, set(), [], set(), [], None)
+                seen = visible.seen(craft, set(), [], None)
                 for at, j in enumerate(seen.bodies.tolist()):
                     hop = Hop(j, time, float(seen.arrival[at]), float(seen.delta_v[at]), 0, 0)
                     assert seen.legal[at] == (refused(facts, craft, hop) == ""), (seed, j)

@@ -37,7 +37,6 @@ def called(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     [
         ("a module", ("solve", "tiny.json")),
         ("a package", ("matrix", "tiny.json", "--out", "tiny.lp")),
-        ("a package", ("train", "--config", "set", "--out", "run")),
     ],
 )
 def test_a_foreign_package_is_one_sentence(

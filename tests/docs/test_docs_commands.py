@@ -168,7 +168,7 @@ OF_ONE_MISSION = (
 )
 def test_the_commands_of_a_page_run(cli: Cli, tmp_path: Path, page: str) -> None:
     """With an instance and a plan as the quick start leaves them, each command of a page does."""
-    for package in ("boinor", "h5netcdf", "onnxruntime", "plotly", "pyarrow", "sgp4"):
+    for package in ("boinor", "h5netcdf", "plotly", "pyarrow", "sgp4"):
         pytest.importorskip(package)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     for words in (

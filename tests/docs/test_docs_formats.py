@@ -8,9 +8,11 @@ from typing import Any
 
 import pytest
 from conftest import Cli
-from pages import ROOT, read, tables
+from pages import read, tables
 
 from adr_opt.kernels.legs.burns import PHASES
+from adr_opt.learning.policy import FORMAT as POLICY
+from adr_opt.learning.policy import load_policy
 from adr_opt.plan import certificate, plan, refined_thrust
 from adr_opt.plan import refined_plan as refined
 from adr_opt.problem import bodies, chasers, instance, orbit, settings, uncertainty
@@ -114,15 +116,10 @@ def test_the_schemas_that_are_printed_are_those_of_the_tables(cli: Cli) -> None:
         assert printed["$defs"].keys() == model.model_json_schema()["$defs"].keys()
 
 
-def test_the_metadata_of_a_policy_are_described() -> None:
-    """docs/files.md lists exactly the metadata that a policy of the package has."""
-    onnxruntime = pytest.importorskip("onnxruntime")
-    files = sorted(ROOT.glob("solvers/policies/weights/*.onnx"))
-    assert files
-    for file in files:
-        session = onnxruntime.InferenceSession(str(file), providers=["CPUExecutionProvider"])
-        known = session.get_modelmeta().custom_metadata_map
-        assert set(known) == set(described("observation`. Its ONNX metadata"))
+def test_the_card_of_a_policy_is_described() -> None:
+    """docs/files.md lists exactly what the card of the policy of the package has."""
+    known = {"format", "fields", *load_policy().card}
+    assert known == set(described("`card` is JSON as bytes"))
 
 
 def test_phases_and_reasons_are_described() -> None:
@@ -134,8 +131,6 @@ def test_phases_and_reasons_are_described() -> None:
 
 def test_formats_are_in_the_changelog_and_on_their_page() -> None:
     """Every file format with a number is named where readers look for it."""
-    from solvers.policies.policy import FORMAT as POLICY
-
     formats = (instance.FORMAT, plan.FORMAT, certificate.FORMAT, "adr-opt-library/1", POLICY)
     for page in ("CHANGELOG.md", "docs/files.md"):
         for name in formats:

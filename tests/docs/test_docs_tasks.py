@@ -13,7 +13,7 @@ from conftest import Cli, Outcome
 from pages import ROOT, python_blocks, read
 
 TASKS = sorted(path.stem for path in ROOT.glob("docs/tasks/*.md"))
-NEEDED = ("boinor", "gymnasium", "onnxruntime", "plotly", "pyarrow", "sgp4")
+NEEDED = ("boinor", "gymnasium", "plotly", "pyarrow", "sgp4")
 
 SHORTER = {
     "cloud": {
@@ -39,7 +39,7 @@ SHORTER = {
     "own-policy": {
         "generate nominal": "generate tiny",
         "--time-limit 10": "--time-limit 1",
-        "runs/mine/best.onnx": str(ROOT / "solvers/policies/weights/set-transfer.onnx"),
+        "runs/mine/best.npz": str(ROOT / "adr_opt/learning/weights/policy.npz"),
     },
 }
 """What is put in the place of what in the commands of a page, so that they take seconds."""

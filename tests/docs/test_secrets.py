@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from adr_opt.kernels.orbits import columns
-from adr_opt.kernels.tables.stacked_timetables import PackedColumn
 from adr_opt.kernels.tables.timetable import Table
 
 ROOT = Path(__file__).parents[2]
@@ -23,7 +22,7 @@ OWNERS = [
 HOLDERS = ("table", "tables", "column", "columns", "home")
 """Usual names of tables and columns."""
 
-OWN = {*Table._fields, *PackedColumn._fields}
+OWN = set(Table._fields)
 
 
 def touched(source: str) -> Iterator[str]:
@@ -64,7 +63,6 @@ def test_nobody_else_knows_how_a_timetable_is_kept() -> None:
         "first = rules.table.first[i, j]",
         "wait = pool.tables.spacing[slot, i]",
         "count = mission.timetable.table.entries.shape[1]",
-        "total = outlook.home.total[j]",
         "gap = t.spacing[i]",
     ],
 )

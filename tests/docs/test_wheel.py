@@ -137,7 +137,7 @@ def test_both_hold_all_files_of_the_packages(archives: Archives) -> None:
         if path.is_file()
     }
     endings = {name.rpartition(".")[2] for name in files}
-    assert {"py", "typed", "html", "css", "js", "onnx"} <= endings
+    assert {"py", "typed", "html", "css", "js", "npz"} <= endings
     with zipfile.ZipFile(archives.wheel) as file:
         packed = {name for name in file.namelist() if ".dist-info/" not in name}
     assert packed == files
@@ -160,7 +160,7 @@ def test_the_wheel_is_what_is_imported(programs: Path, tmp_path: Path) -> None:
 import json, adr_opt, solvers
 from importlib.metadata import version
 from importlib.resources import files
-from solvers.policies.policy import load_policy
+from adr_opt.learning import load_policy
 load_policy()
 print(json.dumps({
     "places": [adr_opt.__file__, solvers.__file__],

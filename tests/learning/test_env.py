@@ -22,10 +22,15 @@ from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.kernels.episodes.lookahead import CHAIN_FIELDS, UNGUARDED_S
-from adr_opt.kernels.episodes.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS
+from adr_opt.kernels.episodes.choices import (
+    CHOICE_FIELDS,
+    LIMIT,
+    LOOKED_AHEAD,
+    MISSION_FIELDS,
+    NEAREST,
+    ONWARD,
+)
 from adr_opt.kernels.episodes.published import PUBLISHED_ELEMENTS
-from adr_opt.kernels.episodes.world_view import WORLD_FIELDS
 from adr_opt.learning.environment import (
     ID,
     OBSERVATIONS,
@@ -123,7 +128,7 @@ def test_whole_fields_too(family: str) -> None:
     """One episode on a field of 50 targets with zones: in its space, and check agrees."""
     rng = np.random.default_rng(2)
     fields = Fields(family, zones=(6, 6), duration_s=(4 * 86400.0, 4 * 86400.0))
-    env = MissionEnv(fields=fields, pool=1, observation="lookahead")
+    env = MissionEnv(fields=fields, pool=1)
     env.reset(seed=3)
     total, seen = play(env, rng)
     assert all(env.observation_space.contains(each) for each in seen)
@@ -350,13 +355,10 @@ def test_masks_through_processes() -> None:
 
 def test_spaces_are_as_wide_as_stated() -> None:
     """The spaces have the documented shapes and limits, for any number of targets."""
-    for name, more in (("transfer-prizes", 30), ("lookahead-prizes", 52), ("transfer-worlds", 39)):
-        assert space(name, 7)["moves"].shape == (8, more)
     for targets in (1, 50, 200):
         assert space("published", targets).shape == (7 * targets + 8,)
-        assert space("transfer", targets)["moves"].shape == (targets + 1, 29)
-        assert space("lookahead", targets)["moves"].shape == (targets + 1, 51)
-        assert space("lookahead", targets)["mission"].shape == (16,)
+        assert space("choices", targets)["moves"].shape == (targets + 1, 36)
+        assert space("choices", targets)["mission"].shape == (15,)
     box = space("published", 3)
     assert (box.low == -LIMIT).all()
     assert (box.high == LIMIT).all()
@@ -373,31 +375,21 @@ def test_the_page_lists_every_number_option_and_observation() -> None:
         for section in page.split("\n### ")[1:]
     ]
     wanted = [
-        list(enumerate(MOVE_FIELDS)),
-        list(enumerate(CHAIN_FIELDS, len(MOVE_FIELDS))),
-        list(enumerate(WORLD_FIELDS, len(MOVE_FIELDS) + 1)),
+        list(enumerate(CHOICE_FIELDS)),
         list(enumerate(MISSION_FIELDS)),
         list(enumerate(PUBLISHED_ELEMENTS)),
     ]
     assert [[(int(number), name) for number, name in table] for table in tables] == wanted
     options = re.findall(r"^\| `([a-z_]+)` \|", page, re.MULTILINE)
     assert options == [field.name for field in dataclasses.fields(Fields)]
-    assert set(re.findall(r"^- `([a-z]+)`: a|^- `([a-z]+)`: the same", page, re.MULTILINE)) == {
-        ("transfer", ""),
-        ("", "lookahead"),
-        ("published", ""),
-    }
-    transfer, ahead = (
-        space("transfer", 1)["moves"].shape[1],
-        space("lookahead", 1)["moves"].shape[1],
-    )
+    assert set(re.findall(r"^- `([a-z]+)`: a", page, re.MULTILINE)) == set(OBSERVATIONS)
     for stated in (
-        f"shape (N + 1, {transfer})",
+        f"shape (N + 1, {len(CHOICE_FIELDS)})",
         f"shape ({len(MISSION_FIELDS)},)",
-        f"with {ahead} columns, the last {ahead - transfer} from",
         f"within ±{LIMIT:g}",
         f"seeds from {FIRST_SEED:,} on",
-        f"last {UNGUARDED_S:,.0f} s",
+        f"of the {LOOKED_AHEAD} cheapest legal moves",
+        f"first {ONWARD} open ones of the {NEAREST} targets",
     ):
         assert stated in " ".join(page.split()), stated
 
@@ -531,7 +523,7 @@ practise()
 from adr_opt.learning.environment import *
 from small_fields import SMALL
 before = known()
-for name, model in [*((name, None) for name in OBSERVATIONS), ("transfer-worlds", TROUBLED)]:
+for name, model in [*((name, None) for name in OBSERVATIONS), ("choices", TROUBLED)]:
     env = MissionEnv(fields=SMALL, pool=2, observation=name, uncertainty=model)
     _, info = env.reset(seed=0)
     env.step(int(info["action_mask"].argmax()))

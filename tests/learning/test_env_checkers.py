@@ -19,8 +19,7 @@ from adr_opt.learning.environment import ID, OBSERVATIONS, UNCERTAIN_ID, Mission
 
 
 @pytest.mark.parametrize(
-    ("known_as", "observation"),
-    [*((ID, each) for each in OBSERVATIONS), (UNCERTAIN_ID, "transfer-worlds")],
+    ("known_as", "observation"), [*((ID, each) for each in OBSERVATIONS), (UNCERTAIN_ID, "choices")]
 )
 def test_the_checkers_pass(known_as: str, observation: str) -> None:
     """Gymnasium and Stable-Baselines3 find nothing to say against the environment."""

@@ -35,13 +35,7 @@ MADE: dict[str, Callable[[], dict[str, Any]]] = {
     "family": lambda: {"fields": "tiny", "pool": 1, "observation": "published"},
     "fields by name": lambda: {"fields": {"family": "tiny", "targets": [3, 5]}, "pool": 2},
     "one model": lambda: {"instance": tiny(), "uncertainty": TROUBLED},
-    "models": lambda: {
-        "fields": SMALL,
-        "pool": 2,
-        "observation": "transfer-worlds",
-        "uncertainty": [TROUBLED, {"gone": 0.5}],
-    },
-    "chains": lambda: {"fields": SMALL, "pool": 2, "observation": "lookahead"},
+    "models": lambda: {"fields": SMALL, "pool": 2, "uncertainty": [TROUBLED, {"gone": 0.5}]},
 }
 """Ways of making an environment."""
 

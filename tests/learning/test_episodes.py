@@ -1,4 +1,4 @@
-"""Episodes: one step for rules, masks, rewards and chains; prizes, windows, what is refused."""
+"""Episodes: one step for rules, masks, rewards; prizes, windows, what is refused."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from seeds import over_kinds
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.episodes import episodes as kernels
-from adr_opt.kernels.episodes.lookahead import CHAIN_FIELDS, CHAIN_PRIZE_FIELDS
-from adr_opt.kernels.episodes.observation import MOVE_FIELDS, PRIZE
+from adr_opt.kernels.episodes.choices import PRIZE
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.learning.environment import MissionEnv
 from adr_opt.learning.episodes import Board, FieldPool, in_mean_prizes, new_episodes, start
@@ -50,7 +49,7 @@ def test_rules_steps_masks_and_check_agree(seeds: range) -> None:
         rules, size = mission.rules, len(mission.names)
         pool = FieldPool.of(mission)
         budget, duration = instance.chaser.tank.delta_v_m_s, instance.mission.duration_s
-        boards = [Board(name, 1, size - 1) for name in ("transfer", "published")]
+        boards = [Board(name, 1, size - 1) for name in ("choices", "published")]
         for _ in range(30):
             episodes = new_episodes(1, size)
             start(pool, episodes, 0, 0, budget, duration)
@@ -107,7 +106,7 @@ def test_rewards_are_prizes_in_mean_prizes() -> None:
     equal = adr_opt.generate("tiny", 2)
     equal = equal.replace(targets=tuple(target.replace(prize=0.1) for target in equal.targets))
     for instance in (equal, varied(4)):
-        env = MissionEnv(instance, observation="transfer-prizes")
+        env = MissionEnv(instance)
         seen, _ = env.reset()
         prize = np.array([target.prize for target in instance.targets])
         scaled = prize / prize[prize > 0.0].mean()
@@ -126,53 +125,6 @@ def test_rewards_are_prizes_in_mean_prizes() -> None:
         plan = certify(env.mission, "episode", env.sequence, seed=0, runtime_s=0.0).plan
         assert plan is not None
         assert plan.objective == pytest.approx(total * prize[prize > 0.0].mean())
-
-
-def boards_of(instance: Instance, names: tuple[str, ...], moves: int) -> list[Any]:
-    """What observations say after some cheap moves."""
-    mission = Mission(instance)
-    size = len(mission.names)
-    pool, episodes = FieldPool.of(mission), new_episodes(1, size)
-    start(pool, episodes, 0, 0, instance.chaser.tank.delta_v_m_s, instance.mission.duration_s)
-    first = Board("transfer", 1, size - 1)
-    for _ in range(moves):
-        first.observe(pool.arrays, episodes, 0, 1)
-        action = np.flatnonzero(first.mask[0])[:1]
-        kernels.act(pool.arrays, episodes, 0, 1, action, np.zeros(1, np.float32))
-    boards = [Board(name, 1, size - 1) for name in names]
-    for board in boards:
-        board.observe(pool.arrays, episodes, 0, 1)
-    return boards
-
-
-@pytest.mark.parametrize("moves", [0, 2])
-def test_equal_prizes_are_seen_as_targets(moves: int) -> None:
-    """With equal prizes ``lookahead-prizes`` says what ``lookahead`` says, and 1 for each prize."""
-    instance = adr_opt.generate("reduced-time", 7, targets=15)
-    plain, prized = boards_of(instance, ("lookahead", "lookahead-prizes"), moves)
-    without = np.delete(prized.arrays["moves"], PRIZE, axis=2)
-    np.testing.assert_array_equal(without, plain.arrays["moves"])
-    np.testing.assert_array_equal(prized.arrays["mission"], plain.arrays["mission"])
-    for here, there in zip(prized.promises, plain.promises, strict=True):
-        np.testing.assert_array_equal(here, there)
-    open_targets = plain.arrays["moves"][0, :-1, MOVE_FIELDS.index(MOVE_FIELDS[2])] > 0.0
-    np.testing.assert_array_equal(prized.arrays["moves"][0, :-1, PRIZE] == 1.0, open_targets)
-    assert len(CHAIN_PRIZE_FIELDS) == len(CHAIN_FIELDS)
-
-
-def test_chains_that_see_prizes_promise_more_of_them() -> None:
-    """With one target worth as much as all others, chains by prize promise more than by count."""
-    gained = []
-    for seed in range(8):
-        instance = adr_opt.generate("reduced-fuel", seed, targets=20)
-        rng = np.random.default_rng(seed)
-        targets = tuple(
-            target.replace(prize=float(rng.choice([0.1, 1.0, 4.0]))) for target in instance.targets
-        )
-        instance = instance.replace(targets=targets).with_limits(duration_s=2 * 86400.0)
-        plain, prized = boards_of(instance, ("lookahead", "lookahead-prizes"), 0)
-        gained.append(prized.promises.prize.max() - plain.promises.prize.max())
-    assert np.mean(gained) > 0.5
 
 
 def _changed(instance: Instance, **chaser: Any) -> Instance:

@@ -51,10 +51,10 @@ def rows_of(observation: Any, index: int) -> Any:
     ("fields", "observation"),
     [
         *(
-            pytest.param(SMALL, name, marks=[pytest.mark.slow] * (name != "lookahead"))
+            pytest.param(SMALL, name, marks=[pytest.mark.slow] * (name != "choices"))
             for name in OBSERVATIONS
         ),
-        pytest.param(DRIFTING, "lookahead", marks=pytest.mark.slow),
+        pytest.param(DRIFTING, "choices", marks=pytest.mark.slow),
         pytest.param(DRIFTING, "published", marks=pytest.mark.slow),
     ],
 )
@@ -313,6 +313,5 @@ def test_a_pool_beyond_the_memory_is_refused() -> None:
 
 def test_ppo_says_so(cli: Cli, tiny_file: object, monkeypatch: pytest.MonkeyPatch) -> None:
     """The planner ends with a sentence and status 2 where the memory does not suffice."""
-    pytest.importorskip("onnxruntime")
     monkeypatch.setattr(pool, "available_bytes", lambda: 1000.0)
     refused(cli("solve", tiny_file, "--method", "ppo"), "8 bodies", "use another method")

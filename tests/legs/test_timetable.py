@@ -17,7 +17,6 @@ import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, SLACK_M_S, SLACK_S
 from adr_opt.kernels.legs import co_elliptic, sequences
 from adr_opt.kernels.orbits import columns, ephemeris
-from adr_opt.kernels.tables import stacked_timetables
 from adr_opt.kernels.tables import timetable as kernels
 from adr_opt.legs import timetable
 from adr_opt.problem.settings import KeepOutZone
@@ -266,28 +265,3 @@ def test_hand_made_costs():
         turn = 2.0 * speed * math.sin(math.radians(degrees) / 2.0)
         assert delta_v == pytest.approx(turn + rate * 1000.0 / 2.0, abs=0.3)
         assert arrival == pytest.approx(2.0 * period, abs=1.0)
-
-
-def test_columns_take_the_event_that_the_table_takes_however_times_are_rounded():
-    """Who is ready at an event to the last digit takes the same one by a column as by the table."""
-    table = adr_opt.Timetable(adr_opt.generate("tiny", 0, targets=5)).table
-    bodies = table.spacing.size
-    _, columns = stacked_timetables.allocate_slots(
-        1, bodies, kernels.most_events(table), regular=True
-    )
-    column = stacked_timetables.column_in_slot(columns, 0)
-    looked = 0
-    for i, j in itertools.permutations(range(bodies), 2):
-        stacked_timetables.fill_column(table, j, column)
-        for event in range(kernels.events(table, i, j)):
-            edge = kernels.departure_at(table, i, j, event) + SLACK_S
-            for ready in (edge, np.nextafter(edge, 0.0), np.nextafter(edge, math.inf)):
-                delta_v, arrival = kernels.lookup(table, i, j, ready)
-                found, time = stacked_timetables.lookup_in_column(column, table, i, ready)
-                if math.isfinite(delta_v):
-                    assert time == pytest.approx(arrival - ready, abs=1.0), (i, j, event)
-                    assert found == pytest.approx(delta_v, rel=1e-6)
-                else:
-                    assert math.isinf(found)
-                looked += 1
-    assert looked > 1000

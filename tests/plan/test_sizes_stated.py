@@ -14,7 +14,7 @@ from conftest import Cli, refused
 
 import adr_opt
 from adr_opt.judge.verify import completion
-from adr_opt.learning.next_leg.scorer import load_scorer, shipped
+from adr_opt.learning.policy import load_policy
 
 
 @pytest.mark.parametrize("field", ["delta_v_slot_m_s", "time_step_s"])
@@ -62,16 +62,16 @@ def test_counts_of_instances_are_bounded(cli: Cli, tiny_file: Path, place: str, 
 @pytest.mark.parametrize("shape", [(10**6, 10**6), (2**62,)])
 def test_swollen_weights_are_refused(tmp_path: Path, shape: tuple[int, ...]) -> None:
     """An array that says it is larger than what is stored of it is not made."""
-    shipped().save(tmp_path / "weights.npz")
+    load_policy().save(tmp_path / "weights.npz")
     with zipfile.ZipFile(tmp_path / "weights.npz") as packed:
         members = {each: packed.read(each) for each in packed.namelist()}
     swollen = io.BytesIO()
     np.lib.format.write_array_header_1_0(
         swollen, {"descr": "<f8", "fortran_order": False, "shape": shape}
     )
-    members["leg.npy"] = swollen.getvalue()
+    members["token.weight.npy"] = swollen.getvalue()
     with zipfile.ZipFile(tmp_path / "weights.npz", "w") as packed:
         for name, member in members.items():
             packed.writestr(name, member)
-    with pytest.raises(adr_opt.InputError, match="not a file of weights"):
-        load_scorer(tmp_path / "weights.npz")
+    with pytest.raises(adr_opt.InputError, match="is not a file of a policy"):
+        load_policy(tmp_path / "weights.npz")

@@ -43,7 +43,7 @@ WORK = {
     "export": (["tiny.json", "plan.json", "--format", "oem", "--out", "o.oem"], READ),
     "report": (["tiny.json", "plan.json", "--out", "r.html"], READ),
     "serve": (["tiny.json", "--no-open"], READ),
-    "train": (["--config", "set", "--out", "run"], "adr_opt.learning.trainer.load"),
+    "train": (["--out", "run"], "adr_opt.learning.training.configs.config_of"),
     "methods": ([], "adr_opt.run.methods.names"),
     "warm-up": (["greedy", "--quiet"], "adr_opt.ui.cli.warm_up.compile_for"),
     "doctor": ([], "adr_opt.run.installation.examine"),

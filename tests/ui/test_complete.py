@@ -57,7 +57,7 @@ def plain(*texts: str) -> list[tuple[str, str]]:
         ("adr-opt tradeoff --method au", plain("auto")),
         ("adr-opt warm-up auto la", plain("lagrangian")),
         ("adr-opt methods ex", plain("exact")),
-        ("adr-opt train --config set", plain("set", "set-transfer")),
+        ("adr-opt train --config po", plain("policy")),
         ("adr-opt train --out ", FOLDERS),
         ("adr-opt rehearse --bound-method la", plain("lagrangian")),
         ("adr-opt schema c", plain("certificate")),
@@ -102,7 +102,7 @@ print(*sorted({{"numba", "numpy", "pydantic", "ortools"}} & sys.modules.keys()))
     )
     *listed, imported = done.stdout.splitlines()
     assert imported == ""
-    assert {f"plain,{name}" for name in (*VERBS, *FAMILIES, *names(), "set")} <= set(listed)
+    assert {f"plain,{name}" for name in (*VERBS, *FAMILIES, *names(), "policy")} <= set(listed)
 
 
 def test_bash_completes(tmp_path: Path) -> None:

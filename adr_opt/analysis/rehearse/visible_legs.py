@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_S
+from ...kernels.core.windows import service_ends
+from ...kernels.episodes.choice_rows import look_ahead, note_all_onward, write_rows
+from ...kernels.episodes.choices import (
+    CERTAIN,
+    CHOICE_FIELDS,
+    LOOKED_AHEAD,
+    MISSION_FIELDS,
+    ONWARD,
+    Choices,
+    Standing,
+)
+from ...kernels.episodes.worlds import OBSERVED
 from ...kernels.legs import found as families
+from ...kernels.orbits.ephemeris import ORBIT_COLUMNS
 from ...kernels.rules.loads import after_service
 from ...kernels.tables.on_demand import Source, at_regular_events, shortest_sortie
 from ...kernels.tables.timetable import from_source
-from ...learning.next_leg.choices import Choices
-from ...learning.next_leg.near_orbits import NearOrbits
-from ...learning.next_leg.onward import OnwardLegs, onward, unknown
+from ...learning.episodes.near_orbits import NearOrbits
+from ...learning.episodes.worlds import leg_row, stay_row
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.families.ends import is_regular
 from ...plan.leg_kinds import LAUNCH, SHORT
@@ -21,7 +35,6 @@ from ...problem.uncertainty import Uncertainty
 from .flying_chasers import FlyingChaser, full_of
 from .mission_facts import MATCH_S, Hop, MissionFacts, hop_of
 from .service_delays import largest_delays_s, mean_delays_s
-from .tries import TryWorths
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -37,6 +50,32 @@ LATE = 0.9
 """Share of times of services, and chance of captures, for which a way to refuel is kept."""
 
 
+STAY = len(OBSERVED)
+"""Number of columns of :attr:`Choices.stay`."""
+
+
+class Seen(NamedTuple):
+    """Legs from which a chaser may choose, and what the policy sees of them.
+
+    Attributes
+    ----------
+    bodies : (legs,) int64
+        Where they lead.
+    delta_v, arrival : (legs,) float64
+        [m/s], [s].
+    legal : (legs,) bool
+    moves : (1, legs, len(CHOICE_FIELDS)) float32
+    mission : (1, len(MISSION_FIELDS)) float32
+    """
+
+    bodies: IntArray
+    delta_v: FloatArray
+    arrival: FloatArray
+    legal: BoolArray
+    moves: npt.NDArray[np.float32]
+    mission: npt.NDArray[np.float32]
+
+
 class VisibleLegs:
     """Legs from a body at a time, and what they lead to on average; shared by rehearsals.
 
@@ -50,9 +89,6 @@ class VisibleLegs:
 
     Attributes
     ----------
-    around : NearOrbits
-    worths : (bodies,) float64
-        Of going to each target on average, over the mean of all that are worth something.
     required : (bodies,) bool
     later_s : (bodies,) float64
         By how much later than planned services end on average [s].
@@ -61,14 +97,16 @@ class VisibleLegs:
     """
 
     def __init__(self, facts: MissionFacts, uncertainty: Uncertainty) -> None:
-        self._facts = facts
+        self._facts, self._model = facts, uncertainty.of(facts.instance)
         instance = facts.instance
         bodies = len(facts.names)
-        self.around = NearOrbits(instance)
-        tries = TryWorths(instance, uncertainty)
-        worths = np.array([tries.most(j) if j in facts.prizes else 0.0 for j in range(bodies)])
+        self._around = NearOrbits(instance)
+        self._orbits = np.zeros((bodies, len(ORBIT_COLUMNS)))
+        if instance.has_orbits:
+            self._orbits = np.nan_to_num(instance.orbits())
+        worths = np.array([facts.prizes.get(j, 0.0) for j in range(bodies)])
         positive = worths > 0.0
-        self.worths = worths / (worths[positive].mean() if positive.any() else 1.0)
+        self._worths = worths / (worths[positive].mean() if positive.any() else 1.0)
         self.required = np.array([j in facts.required for j in range(bodies)])
         self.later_s = mean_delays_s(facts, uncertainty)
         self.late_s = largest_delays_s(facts, uncertainty, LATE)
@@ -77,17 +115,13 @@ class VisibleLegs:
         self._targets = np.arange(facts.first_target, bodies)
         self._sources: dict[tuple[int, bool], Source | None] = {}
         self._sorties: dict[int, float] = {}
+        self._what_may_come = np.zeros((bodies, STAY + len(CERTAIN)))
+        self._is_known = np.zeros(bodies, dtype=np.bool_)
 
-    def choices(
-        self,
-        craft: FlyingChaser,
-        closed: set[int],
-        planned: list[int],
-        planned_by_others: set[int],
-        others: list[int],
-        own: Hop | None,
-    ) -> Choices:
-        """The legs from which a chaser may choose.
+    def seen(
+        self, craft: FlyingChaser, closed: set[int], planned: list[int], own: Hop | None
+    ) -> Seen:
+        """The legs from which a chaser may choose, and what the policy sees of them.
 
         Parameters
         ----------
@@ -96,78 +130,129 @@ class VisibleLegs:
             Targets that are done, or on the way to which a chaser is.
         planned : list of int
             Bodies to which the rest of its plan leads, in order.
-        planned_by_others : set of int
-            Targets to which plans of others lead.
-        others : list of int
-            Bodies at which other chasers are.
         own : Hop or None
             The planned leg, in place of the connection chosen now to the same body.
         """
         facts, what = self._facts, self._facts.chasers[craft.chaser]
-        limits = what.limits
+        limits, here = what.limits, craft.body
         bodies = self._candidates(craft, closed, planned)
         delta_v, arrival = self._rows(craft, bodies)
         if own is not None:
             at = np.flatnonzero(bodies == own.destination)
             delta_v[at], arrival[at] = own.delta_v, own.arrival
-        opens, latest = limits.windows.opening[bodies], limits.windows.closing[bodies]
-        begin = np.maximum(arrival, opens)
-        free = begin + limits.service[bodies]
+        end = service_ends(limits.windows, bodies, arrival, limits.service[bodies])
         station = bodies < facts.stations
-        legal = (begin <= latest) & (free <= limits.duration)
+        legal = end <= limits.duration
         legal &= (delta_v <= craft.left) & (~station | (craft.since > 0))
-        left = np.where(station, full_of(what, craft.kits), craft.left - delta_v)
+        full = full_of(what, craft.kits)
+        left = np.where(station, full, craft.left - delta_v)
+        left[bodies == here] = -np.inf
         if what.most_targets is not None and craft.serviced >= what.most_targets:
             legal &= station
         if what.loads is not None:
             for leg in np.flatnonzero(legal & ~station).tolist():
                 left[leg], kits = after_service(what.loads, int(bodies[leg]), craft.kits, left[leg])
                 legal[leg] = kits >= 0 and left[leg] >= 0.0
-        ranks = np.full(len(facts.names), -1)
-        for rank, j in reversed(list(enumerate(planned))):
-            ranks[j] = rank
-        theirs = np.zeros(ranks.size, dtype=np.bool_)
-        theirs[list(planned_by_others)] = True
-        apart = np.full(bodies.size, np.inf)
-        places = self.around.at(craft.free_s)
-        for body in others:
-            apart = np.minimum(apart, places.distances(body, bodies))
-        return Choices(
+        coming = self._coming(bodies)
+        choices = Choices(
             bodies,
-            delta_v,
-            arrival,
-            free + self.later_s[bodies],
-            left,
-            latest + limits.service[bodies],
-            np.maximum(opens - arrival, 0.0),
+            station,
+            (~station | (craft.since > 0)) & (bodies != here),
             legal,
-            ranks[bodies],
-            theirs[bodies],
-            apart,
+            delta_v,
+            end,
+            left,
+            np.zeros(bodies.size),
+            end.copy(),
+            np.full((bodies.size, 4), np.inf),
+            np.empty(bodies.size),
+            self._worths[bodies],
+            np.ascontiguousarray(coming[:, :STAY]),
+            np.ascontiguousarray(coming[:, STAY:]),
         )
+        self._look_back(craft, choices)
+        self._look_ahead(craft, closed, choices)
+        home = self._orbits[0 if facts.stations else what.start]
+        docked = here < facts.stations
+        standing = Standing(
+            float(craft.free_s),
+            float(limits.duration),
+            float(craft.left),
+            float(full),
+            int(craft.since),
+            docked,
+            self._orbits[here],
+            home,
+        )
+        moves = np.zeros((1, bodies.size, len(CHOICE_FIELDS)), dtype=np.float32)
+        mission = np.zeros((1, len(MISSION_FIELDS)), dtype=np.float32)
+        places = np.arange(bodies.size)
+        write_rows(standing, choices, bodies.size, self._orbits, places, moves[0], mission[0])
+        return Seen(bodies, delta_v, arrival, legal, moves, mission)
 
-    def onward(self, craft: FlyingChaser, choices: Choices, worths: FloatArray) -> OnwardLegs:
-        """The legs after the next one; unknown where connections are listed."""
-        chaser, facts = craft.chaser, self._facts
-        sources = self._source(chaser, False), self._source(chaser, True)
+    def _look_back(self, craft: FlyingChaser, choices: Choices) -> None:
+        """Write the ways back to stations from where choices lead."""
+        facts, limits = self._facts, self._facts.chasers[craft.chaser].limits
+        if not facts.stations:
+            return
+        legal = np.flatnonzero((choices.end <= limits.duration) & ~choices.station)
+        source = self._source(craft.chaser, False)
+        back, ends = np.full(legal.size, np.inf), np.full(legal.size, np.inf)
+        for s in self._stations.tolist():
+            delta_v, arrival = np.full(legal.size, np.inf), np.full(legal.size, np.inf)
+            if source is not None and not self._towed[choices.bodies[legal]].any():
+                there = choices.bodies[legal], choices.end[legal], np.full(legal.size, s)
+                from_source(source, *there, delta_v, arrival)
+            else:
+                for at, choice in enumerate(legal.tolist()):
+                    j = int(choices.bodies[choice])
+                    ready, towed = float(choices.end[choice]), bool(self._towed[j])
+                    hop = facts.best(j, s, ready, towed=towed)
+                    if hop is not None:
+                        delta_v[at], arrival[at] = hop.delta_v, hop.arrival
+            nearer = delta_v < back
+            back[nearer] = delta_v[nearer]
+            ends[nearer] = arrival[nearer] + limits.service[s]
+        choices.back[legal], choices.back_end[legal] = back, ends
 
-        def connecting(
-            origins: IntArray, ready: FloatArray, destinations: IntArray
-        ) -> tuple[FloatArray, FloatArray]:
-            delta_v, arrival = np.empty(origins.size), np.empty(origins.size)
-            towed = self._towed[origins]
-            for source, is_towed in zip(sources, (False, True), strict=True):
-                at = np.flatnonzero(towed == is_towed)
-                if at.size:
-                    found = np.empty(at.size), np.empty(at.size)
-                    from_source(source, origins[at], ready[at], destinations[at], *found)
-                    delta_v[at], arrival[at] = found
-            return delta_v, arrival
+    def _look_ahead(self, craft: FlyingChaser, closed: set[int], choices: Choices) -> None:
+        """Write the moves after the cheapest ones; none where connections are listed."""
+        facts, limits = self._facts, self._facts.chasers[craft.chaser].limits
+        is_open = np.zeros(len(facts.names), dtype=np.bool_)
+        is_open[self._targets] = True
+        is_open[list(closed)] = False
+        is_open[craft.body] = False
+        near = self._around.at(craft.free_s).neighbours_of(choices.bodies)
+        there = np.empty((LOOKED_AHEAD, 1 + ONWARD), dtype=np.int64)
+        look_ahead(choices, near, is_open, float(craft.free_s), choices.bodies.size, there)
+        sources = self._source(craft.chaser, False), self._source(craft.chaser, True)
+        at, column = np.nonzero(there[:, 1:] >= 0)
+        if sources[0] is None or sources[1] is None or not at.size:
+            return
+        leaving, onward = there[at, 0], there[at, 1 + column]
+        origins, ready = choices.bodies[leaving], choices.end[leaving]
+        delta_v, end = np.full((2, LOOKED_AHEAD, ONWARD), np.inf)
+        for source, is_towed in zip(sources, (False, True), strict=True):
+            those = np.flatnonzero(self._towed[origins] == is_towed)
+            if those.size:
+                needed, arrival = np.empty(those.size), np.empty(those.size)
+                pairs = origins[those], ready[those], onward[those]
+                from_source(source, *pairs, needed, arrival)
+                delta_v[at[those], column[those]] = needed
+                end[at[those], column[those]] = arrival + limits.service[onward[those]]
+        note_all_onward(choices, there, delta_v, end, float(limits.duration))
 
-        if sources[0] is None or sources[1] is None:
-            return unknown(choices.bodies.size)
-        places, end_s = self.around.at(craft.free_s), facts.chasers[chaser].limits.duration
-        return onward(choices, places, worths, end_s, facts.stations, connecting)
+    def _coming(self, bodies: IntArray) -> FloatArray:
+        """What may come of going to bodies: stay and factor of :class:`Choices`, side by side."""
+        facts = self._facts
+        for body in bodies[~self._is_known[bodies]].tolist():
+            name = None if body < facts.stations else facts.names[body]
+            planned_s = float(facts.chasers[0].limits.service[body]) - facts.tow_s.get(body, 0.0)
+            row = self._what_may_come[body]
+            row[:STAY] = np.array(stay_row(self._model, name, planned_s))[list(OBSERVED)]
+            row[STAY:] = leg_row(self._model.factor_of(SHORT.name, name))
+        self._is_known[bodies] = True
+        return self._what_may_come[bodies]
 
     def way_back_m_s(self, craft: FlyingChaser, body: int, free_s: float) -> float:
         """Least ΔV from a body to a station; 0 if nothing could be serviced after refuelling there.
@@ -214,11 +299,10 @@ class VisibleLegs:
         is_open[craft.body] = False
         targets = self._targets[is_open[self._targets]]
         if targets.size > RANKS:
-            places = self.around.at(craft.free_s)
+            places = self._around.at(craft.free_s)
             if self._is_launching(craft):
-                near, _, counts = places.neighbours_of(targets)
-                dense = ((self.worths * is_open)[near] * counts[:, :, 1]).sum(1)
-                away = -(self.worths[targets] + dense)
+                near = places.neighbours_of(targets)
+                away = -(self._worths[targets] + (self._worths * is_open)[near].mean(1))
             else:
                 away = places.distances(craft.body, targets)
             away[self.required[targets]] = -np.inf
@@ -228,8 +312,7 @@ class VisibleLegs:
             targets = np.sort(nearest)
             if first:
                 targets = np.union1d(nearest, np.array(first, dtype=np.int64))
-        stations = self._stations[is_open[: self._facts.stations]]
-        return np.concatenate([stations, targets])
+        return np.concatenate([self._stations, targets])
 
     def _rows(self, craft: FlyingChaser, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         """ΔV and arrival of the connection chosen to each body; +inf where there is none."""

@@ -6,12 +6,11 @@ their own. Fields may differ in their number of targets: arrays have room for th
 Actions are numbered as the environment numbers them: the targets in their order, then the station.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from ...common.constants import SLACK_M_S, SLACK_S, TURN_RAD
+from ...common.constants import SLACK_M_S, SLACK_S
 from ..core.compile import inlined, kernel
 from ..core.memory import borrowed
 from ..core.windows import Windows
@@ -19,7 +18,9 @@ from ..rules import rules as rule_kernels
 from ..rules.resources import Resources, limits_in
 from ..rules.rules import Rules, State
 from ..tables import stacked_timetables, timetable
-from .outlook import HOME, Outlook
+
+HOME = 0
+"""Index of the only station of an episode's mission, where the chaser starts."""
 
 BODIES = 0
 """First column of :attr:`StackedFields.counts`."""
@@ -49,8 +50,11 @@ class StackedFields(NamedTuple):
         The same for all fields: the first body is the only station.
     tables : Table
         With a leading axis of slots.
-    angle, near, near_angle, ahead, home
-        As in :class:`.outlook.Outlook`, with a leading axis of slots.
+    near : (slots, periods, bodies, nearest) int16
+        Nearest targets of each body in each of some periods of the mission, the nearest first; −1
+        where there are no more.
+    period : (slots,) float64
+        How long each is [s].
     """
 
     counts: np.ndarray
@@ -59,11 +63,8 @@ class StackedFields(NamedTuple):
     places: np.ndarray
     is_station: np.ndarray
     tables: timetable.Table
-    angle: np.ndarray
     near: np.ndarray
-    near_angle: np.ndarray
-    ahead: np.ndarray
-    home: stacked_timetables.PackedColumn
+    period: np.ndarray
 
 
 class Episodes(NamedTuple):
@@ -142,18 +143,6 @@ def state_of(episodes, e):
             np.int64(episodes.serviced[e]),
             np.int64(0),
         ),
-    )
-
-
-@inlined
-def outlook_of(pool, slot):
-    """The outlook of a slot of the pool."""
-    return Outlook(
-        pool.angle[slot],
-        pool.near[slot],
-        pool.near_angle[slot],
-        pool.ahead[slot],
-        stacked_timetables.column_in_slot(pool.home, slot),
     )
 
 
@@ -276,19 +265,3 @@ def act(pool, episodes, first, last, actions, rewards, order=None):
             rewards[e] = -1.0
         else:
             rewards[e] = pool.limits[episodes.slot[e], PRIZE, body_of(action, targets)]
-
-
-@inlined
-def clip(value, low, high):
-    """A value clipped to its limits; NaN becomes the upper one, so that none reaches a network."""
-    if value <= low:
-        return low
-    if value <= high:
-        return value
-    return high
-
-
-@inlined
-def turned(angle):
-    """An angle reduced to [−π, π)."""
-    return angle - TURN_RAD * math.floor((angle + math.pi) * (1.0 / TURN_RAD))

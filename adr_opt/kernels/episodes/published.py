@@ -9,9 +9,9 @@ import math
 from ..core.compile import kernel
 from ..core.memory import borrowed
 from ..orbits.ephemeris import inclination_at, latitude_at, node_at, radius_at
-from .episodes import BODIES, clip, make_mask, turned
-from .observation import DEGREES, LIMIT, PER_50_KM
-from .outlook import HOME
+from .choice_rows import clip, turned
+from .choices import DEGREES, LIMIT, PER_50_KM
+from .episodes import BODIES, HOME, make_mask
 
 PUBLISHED_ELEMENTS = (
     "semi-major axis less the station's [50 km]",

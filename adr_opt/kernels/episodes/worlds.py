@@ -16,6 +16,7 @@ from ..core.memory import borrowed
 from ..core.windows import service_begin
 from ..rules import rules as rule_kernels
 from ..tables import timetable
+from .choices import LEAST, MOST, SIGMA
 from .episodes import PRIZE, begin, body_of, rules_of, state_of
 
 SERVICED, REFUELLED, FAILED, GONE, LATE, DRY = range(6)
@@ -32,9 +33,6 @@ LEG_KEY, SERVICE_KEY, DELAY_KEY, GONE_KEY, FIRST_TRY_KEY = range(5)
 STATION_KEYS, TANK_KEYS = range(2)
 """Rows of :attr:`WorldTables.own_keys`."""
 
-SIGMA, LEAST, MOST, MEAN, DEVIATION = range(5)
-"""Columns of :attr:`WorldTables.factors`."""
-
 (
     SUCCESS,
     TRIES,
@@ -50,7 +48,10 @@ SIGMA, LEAST, MOST, MEAN, DEVIATION = range(5)
     LATE_S,
     ALL_TRIES_S,
 ) = range(13)
-"""Columns of :attr:`WorldTables.models`; the last four are there to be observed."""
+"""Columns of :attr:`WorldTables.models`."""
+
+OBSERVED = (CAUGHT, GONE_CHANCE, SUCCESS, MEAN_S, LATE_S, ALL_TRIES_S)
+"""Those of them that are seen, in the order of :attr:`.choices.Choices.stay`."""
 
 NOTHING_LEFT_M_S = -SLACK_M_S
 """ΔV of a tank that ran dry, too little for any move [m/s]."""

@@ -58,7 +58,7 @@ gymnasium.register(
     id=UNCERTAIN_ID,
     entry_point=_ENTRY_POINT,
     vector_entry_point=_VECTOR_ENTRY_POINT,
-    kwargs={"observation": "transfer-worlds", "uncertainty": in_json(TROUBLED)},
+    kwargs={"uncertainty": in_json(TROUBLED)},
 )
 
 

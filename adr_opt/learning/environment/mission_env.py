@@ -45,8 +45,7 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
 
     ## Observation Space
 
-    By name, see :func:`.space`: ``transfer``, ``lookahead``, ``published``, with prizes
-    ``transfer-prizes`` and ``lookahead-prizes``, and ``transfer-worlds`` for uncertain worlds.
+    By name, see :func:`.space`: ``choices`` or ``published``.
 
     ## Rewards
 
@@ -80,7 +79,7 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
 
     ```python
     fields = adr_opt.learning.environment.VARIED
-    gymnasium.make("adr_opt/Mission-v0", observation="transfer", fields=fields)
+    gymnasium.make("adr_opt/Mission-v0", observation="choices", fields=fields)
     gymnasium.make("adr_opt/Mission-v0", instance=adr_opt.load("my.json"))
     ```
 
@@ -133,7 +132,7 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         fields: AnyFields = PUBLISHED,
         pool: int = POOL,
         pool_seed: int = 0,
-        observation: str = "transfer",
+        observation: str = "choices",
         render_mode: str | None = None,
         uncertainty: AnyUncertainty | Sequence[AnyUncertainty] | None = None,
     ) -> None:

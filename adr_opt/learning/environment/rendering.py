@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from ...common.constants import HOUR_S
 from ...common.wording import counted
-from ...kernels.episodes.outlook import HOME
+from ...kernels.episodes.episodes import HOME
 from ...kernels.orbits import elements
 from ...mission.mission import Mission
 

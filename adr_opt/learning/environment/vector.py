@@ -98,7 +98,7 @@ class MissionVecEnv(VecEnv):
         fields: AnyFields = PUBLISHED,
         *,
         instance: AnyInstance | None = None,
-        observation: str = "transfer",
+        observation: str = "choices",
         slots: int = 64,
         refresh_every: int = 0,
         threads: int = 1,

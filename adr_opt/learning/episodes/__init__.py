@@ -4,15 +4,7 @@ What the environment (:mod:`adr_opt.learning.environment`) and the learned plann
 NumPy and Numba alone.
 """
 
-from .board import (
-    OBSERVATIONS,
-    Board,
-    Observation,
-    allowed,
-    check_observation,
-    move_fields,
-    published_size,
-)
+from .board import OBSERVATIONS, Board, Observation, allowed, check_observation, published_size
 from .pool import (
     FOLLOWS,
     FieldPool,
@@ -47,7 +39,6 @@ __all__ = [
     "check_playable",
     "in_mean_prizes",
     "models_of",
-    "move_fields",
     "new_episodes",
     "new_worlds",
     "playing_time_s",

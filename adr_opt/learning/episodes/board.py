@@ -6,27 +6,18 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
-from ...kernels.episodes import lookahead, world_view
-from ...kernels.episodes import observation as kernels
+from ...kernels.episodes.choices import CHOICE_FIELDS, MISSION_FIELDS, new_choices
 from ...kernels.episodes.episodes import Episodes, StackedFields
+from ...kernels.episodes.observation import ObservationArrays, observe_choices
 from ...kernels.episodes.published import observe_published
 from ...kernels.episodes.worlds import Worlds
 
 Array = npt.NDArray[np.float32]
 Observation = dict[str, Array] | Array
 
-OBSERVATIONS = (
-    "transfer",
-    "lookahead",
-    "published",
-    "transfer-prizes",
-    "lookahead-prizes",
-    "transfer-worlds",
-)
-"""``transfer`` is the fastest, ``lookahead`` has more information and takes longer, ``published``
-is for comparison with the study. These hide prizes; the next two show them, and are otherwise the
-first two. ``transfer-worlds`` is ``transfer-prizes`` with what uncertain worlds may make of a
-move."""
+OBSERVATIONS = ("choices", "published")
+"""``choices`` has a row for every move, in known and in uncertain worlds; ``published`` is that of
+the study, for comparison."""
 
 MOVES, MISSION = "moves", "mission"
 
@@ -41,31 +32,6 @@ def check_observation(name: str) -> None:
     """
     if name not in OBSERVATIONS:
         raise InputError(f"observation {name!r} is unknown; use one of: {', '.join(OBSERVATIONS)}")
-
-
-def move_fields(name: str) -> tuple[str, ...]:
-    """Field names of a move in an observation by moves."""
-    if not sees_prizes(name):
-        return kernels.MOVE_FIELDS + (lookahead.CHAIN_FIELDS if follows_chains(name) else ())
-    more = lookahead.CHAIN_PRIZE_FIELDS if follows_chains(name) else ()
-    if sees_worlds(name):
-        more = world_view.WORLD_FIELDS
-    return (*kernels.MOVE_FIELDS, kernels.PRIZE_FIELD, *more)
-
-
-def sees_prizes(name: str) -> bool:
-    """Whether an observation shows the prize of each target."""
-    return name.endswith(("-prizes", "-worlds"))
-
-
-def sees_worlds(name: str) -> bool:
-    """Whether an observation shows what uncertain worlds may make of each move."""
-    return name.endswith("-worlds")
-
-
-def follows_chains(name: str) -> bool:
-    """Whether an observation looks ahead along chains of moves."""
-    return name.startswith("lookahead")
 
 
 def published_size(targets: int) -> int:
@@ -101,10 +67,10 @@ class Board:
         Legal actions.
     legal : (count,) int32
         Their numbers.
+    choices : ObservationArrays
+        Rows of all moves, of the observation ``choices``.
     order : (count,) int32
         Order in which :meth:`observe` takes the episodes; that of their numbers at first.
-    promises : Promises or None
-        What chains promise, where the observation follows them; no part of it.
     """
 
     def __init__(self, name: str, count: int, targets: int) -> None:
@@ -112,17 +78,15 @@ class Board:
         self.mask = np.zeros((count, targets + 1), dtype=np.bool_)
         self.legal = np.zeros(count, dtype=np.int32)
         self.order = np.arange(count, dtype=np.int32)
-        self.promises: lookahead.Promises | None = None
-        if follows_chains(name):
-            self.promises = lookahead.Promises(*np.zeros((3, count, targets + 1)))
         if name == "published":
             self._flat = np.zeros((count, published_size(targets)), dtype=np.float32)
         else:
-            moves, mission = len(move_fields(name)), len(kernels.MISSION_FIELDS)
-            self._moves = np.zeros((count, targets + 1, moves), dtype=np.float32)
-            self._mission = np.zeros((count, mission), dtype=np.float32)
-            self._into = kernels.ObservationArrays(
-                self._moves, self._mission, self.mask, self.legal
+            moves, mission = len(CHOICE_FIELDS), len(MISSION_FIELDS)
+            self.choices = ObservationArrays(
+                np.zeros((count, targets + 1, moves), dtype=np.float32),
+                np.zeros((count, mission), dtype=np.float32),
+                self.mask,
+                self.legal,
             )
 
     def observe(
@@ -161,22 +125,15 @@ class Board:
         if self.name == "published":
             observe_published(pool, episodes, order, first, last, self._flat, self.mask, self.legal)
             return
-        prized, into = sees_prizes(self.name), self._into
-        if sees_worlds(self.name):
-            world_view.observe_worlds(pool, episodes, order, first, last, into, worlds)
-        elif self.promises is None:
-            kernels.observe_transfer(pool, episodes, order, first, last, into, prized)
-        else:
-            lookahead.observe_lookahead(
-                pool, episodes, order, first, last, into, prized, self.promises
-            )
+        scratch = new_choices(self.mask.shape[1])
+        observe_choices(pool, episodes, order, first, last, self.choices, worlds, scratch)
 
     @property
     def arrays(self) -> Observation:
         """The arrays themselves, in the structure of the space."""
         if self.name == "published":
             return self._flat
-        return {MISSION: self._mission, MOVES: self._moves}
+        return {MISSION: self.choices.mission, MOVES: self.choices.moves}
 
     def copy(self, index: int | npt.NDArray[np.int32] | None = None) -> Observation:
         """A copy of all observations, or of those of one or of some episodes."""

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...common.memory import available_bytes
-from ...kernels.episodes import outlook as outlook_kernels
+from ...kernels.episodes.choices import NEAREST
 from ...kernels.episodes.episodes import (
     LATEST,
     OPENS,
@@ -21,11 +21,13 @@ from ...kernels.orbits.ephemeris import ORBIT_COLUMNS
 from ...kernels.rules.resources import CountLimits
 from ...kernels.tables import stacked_timetables
 from ...kernels.tables import timetable as timetable_kernels
+from ...legs.nearest_pairs import PERIODS
 from ...mission.mission import Mission
 from ...problem.instance import Instance
 from ...problem.rules import PLAYED, Follower
 from ...problem.support import follows_all, refuse
 from ...run.method_call import able
+from .near_orbits import NearOrbits
 
 
 class FieldPool:
@@ -64,8 +66,7 @@ class FieldPool:
                 f"{events} departures each take {needed / 2**30:.1f} GiB of "
                 f"memory, and {free / 2**30:.1f} GiB are free; use another method or fewer targets"
             )
-        tables, home = stacked_timetables.allocate_slots(slots, bodies, events, regular=regular)
-        steps = timetable_kernels.most_steps(tables)
+        tables = stacked_timetables.allocate_slots(slots, bodies, events, regular=regular)
         self.arrays = StackedFields(
             counts=np.zeros((slots, 1 + len(CountLimits._fields)), dtype=np.int32),
             orbits=np.zeros((slots, bodies, len(ORBIT_COLUMNS))),
@@ -73,11 +74,8 @@ class FieldPool:
             places=np.full(bodies + 1, bodies),
             is_station=np.arange(bodies) < 1,
             tables=tables,
-            angle=np.zeros((slots, bodies, bodies), dtype=np.float32),
-            near=np.full((slots, bodies, outlook_kernels.NEAR), -1, dtype=np.int16),
-            near_angle=np.zeros((slots, bodies, outlook_kernels.NEAR), dtype=np.float32),
-            ahead=np.zeros((slots, bodies, steps, outlook_kernels.LINE), dtype=np.uint16),
-            home=home,
+            near=np.full((slots, 1 if regular else PERIODS, bodies, NEAREST), -1, dtype=np.int16),
+            period=np.ones(slots),
         )
         self.instances: list[Instance | None] = [None] * slots
 
@@ -125,18 +123,12 @@ class FieldPool:
         limits[PRIZE] = 0.0
         limits[PRIZE, :bodies] = in_mean_prizes(mission)
         stacked_timetables.put(arrays.tables, slot, table)
-        outlook_kernels.fill(
-            orbits,
-            table,
-            mission.rules.service,
-            outlook_kernels.Outlook(
-                arrays.angle[slot],
-                arrays.near[slot],
-                arrays.near_angle[slot],
-                arrays.ahead[slot],
-                stacked_timetables.PackedColumn(*(part[slot] for part in arrays.home)),
-            ),
-        )
+        around = NearOrbits(mission.instance, arrays.near.shape[1])
+        arrays.period[slot] = around.period_s
+        arrays.near[slot] = -1
+        for period, near in enumerate(arrays.near[slot]):
+            found = around.at((period + 0.5) * around.period_s).neighbours_of(np.arange(bodies))
+            near[:bodies, : found.shape[1]] = found
         self.instances[slot] = mission.instance
 
 

@@ -12,10 +12,10 @@ import numpy.typing as npt
 from ...common.errors import InputError
 from ...common.files import parse_content
 from ...kernels.episodes import episodes as episode_kernels
-from ...kernels.episodes import world_view
 from ...kernels.episodes import worlds as kernels
-from ...kernels.episodes.episodes import SERVICE, Episodes
-from ...kernels.episodes.outlook import HOME
+from ...kernels.episodes.choices import CERTAIN
+from ...kernels.episodes.episodes import HOME, SERVICE, Episodes
+from ...kernels.episodes.late_tries import late_try
 from ...kernels.tables import timetable
 from ...kernels.tables.stacked_timetables import listed_in
 from ...legs.connection_finder import ConnectionFinder
@@ -24,11 +24,8 @@ from ...problem.instance import Instance
 from ...problem.uncertainty import CaptureUncertainty, LognormalFactor, Uncertainty
 from ...problem.world import OUTCOMES, draw_key
 from ...run.warm_up import practice_mission
-from .board import OBSERVATIONS, Board, sees_worlds
+from .board import OBSERVATIONS, Board
 from .pool import FieldPool, new_episodes, playing_time_s, start
-
-CERTAIN = (0.0, 1.0, 1.0)
-"""Spread and bounds of a factor that is 1."""
 
 LOSS_WORDS = OUTCOMES[-kernels.LOSSES :]
 """Reasons of losses, in the order of :attr:`.worlds.WorldStates.losses`."""
@@ -99,7 +96,7 @@ class UncertainPool:
             target_keys=np.zeros((slots, bodies, kernels.FIRST_TRY_KEY + tries), dtype=np.uint64),
             own_keys=np.zeros((slots, 2, bodies + 1), dtype=np.uint64),
             models=np.zeros((*shape, bodies, kernels.ALL_TRIES_S + 1)),
-            factors=np.zeros((*shape, kinds, bodies, kernels.DEVIATION + 1)),
+            factors=np.zeros((*shape, kinds, bodies, len(CERTAIN))),
             tanks=np.array(
                 [
                     (1.0, 1.0) if each.tanks is None else (each.tanks.least, each.tanks.most)
@@ -131,9 +128,9 @@ class UncertainPool:
             for body, name in enumerate(instance.names):
                 target = None if body == HOME else name
                 for kind, kind_name in enumerate(names):
-                    factors[kind, body] = _leg_row(model.factor_of(kind_name, target))
+                    factors[kind, body] = leg_row(model.factor_of(kind_name, target))
                 rows = self.tables.models[slot, number]
-                rows[body] = _stay_row(model, target, float(services[body]))
+                rows[body] = stay_row(model, target, float(services[body]))
         if self.tables.families.shape[2]:
             self._write_families(slot, instance)
         self._installed[slot] = instance
@@ -181,20 +178,20 @@ class UncertainPool:
                 ]
 
 
-def _leg_row(model: LognormalFactor | None) -> tuple[float, ...]:
+def leg_row(model: LognormalFactor | None) -> tuple[float, ...]:
     """A row of :attr:`.worlds.WorldTables.factors`."""
     if model is None:
-        return *CERTAIN, 1.0, 0.0
+        return CERTAIN
     return model.lognormal_sigma, model.least, model.most, *model.moments
 
 
-def _stay_row(model: Uncertainty, target: str | None, planned_s: float) -> tuple[float, ...]:
+def stay_row(model: Uncertainty, target: str | None, planned_s: float) -> tuple[float, ...]:
     """A row of :attr:`.worlds.WorldTables.models`; ``target`` is None for the station."""
     if target is None:
-        return 1.0, 1.0, 0.0, *CERTAIN, 0.0, 0.0, 0.0, 1.0, planned_s, planned_s, planned_s
+        return 1.0, 1.0, 0.0, *CERTAIN[:3], 0.0, 0.0, 0.0, 1.0, planned_s, planned_s, planned_s
     success, tries, gone = (model.success_of(target), model.tries_of(target), model.gone_of(target))
     stay = model.service_of(target)
-    factor, delay, mean_s = CERTAIN, (0.0, 0.0, 0.0), planned_s
+    factor, delay, mean_s = CERTAIN[:3], (0.0, 0.0, 0.0), planned_s
     if stay.factor is not None:
         factor = stay.factor.lognormal_sigma, stay.factor.least, stay.factor.most
         mean_s *= stay.factor.moments[0]
@@ -211,7 +208,7 @@ def _stay_row(model: Uncertainty, target: str | None, planned_s: float) -> tuple
         *delay,
         (1.0 - gone) * (1.0 - failed),
         mean_s,
-        world_view.late_try(planned_s, factor, delay),
+        late_try(planned_s, factor, delay),
         (1.0 - gone) * mean_tries * mean_s,
     )
 
@@ -272,7 +269,7 @@ def practise() -> None:
             limits = np.array([budget]), np.array([duration_s])
             episode_kernels.begin_many(pool.arrays, episodes, which, slots, *limits)
             board.observe_these(pool.arrays, episodes, which)
-            if sees_worlds(name):
+            if name != "published":
                 begin_in_worlds(pool, episodes, worlds, which, (slots, slots))
                 board.observe(pool.arrays, episodes, 0, 1, worlds)
                 board.observe_these(pool.arrays, episodes, which, worlds)

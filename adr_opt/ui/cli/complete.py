@@ -63,12 +63,5 @@ def methods(context: click.Context, parameter: click.Parameter, incomplete: str)
     return sorted(set(both))
 
 
-def trainings(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
-    """Installed configurations of training."""
-    from ...learning.trainer import names
-
-    return _beginning(names(), incomplete)
-
-
 BY_METAVAR: dict[str, Complete] = {"FILE": files, "PLAN": files, "DIR": folders}
 """Completions of option values, by their name in the help."""

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...common.errors import InputError
-from . import complete, param
+from ...common.errors import InputError, MissingExtra
+from . import param
 from .bars import busy_bar
 from .output import emit_json, say
 from .signals import INTERRUPTED
@@ -23,19 +23,26 @@ if TYPE_CHECKING:
 
 
 @click.command("train", short_help="Train a policy for the planner ppo.")
-@param.word(
+@param.choice(
     "--config",
-    "NAME",
-    "set, set-transfer or published.",
-    name="config",
-    required=True,
-    shell_complete=complete.trainings,
+    ("policy", "published"),
+    "The policy of the package, or the network and numbers of the published study.",
+    default="policy",
+    show_default=True,
 )
+@param.count("--batch", "N", "Decisions of one step of the optimiser.")
+@param.number("--rate", "R", "Learning rate at first.")
+@param.count("--rollout", "N", "Steps of each mission between two updates.")
 @param.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
 @param.word("--out", "DIR", "Folder of the run; resumed.", required=True)
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--jobs", type=int, default=1, show_default=True, help="Number of threads.")
-@click.option("--device", default="cpu", show_default=True, help="PyTorch device: cpu or cuda.")
+@click.option(
+    "--device",
+    default="auto",
+    show_default=True,
+    help="Of PyTorch: auto for a GPU if there is one.",
+)
 @param.count(
     "--evaluate-every",
     "N",
@@ -55,6 +62,9 @@ if TYPE_CHECKING:
 @param.quiet
 def command(
     config: str,
+    batch: int | None,
+    rate: float | None,
+    rollout: int | None,
     steps: int | None,
     out: str,
     seed: int,
@@ -70,11 +80,14 @@ def command(
     Ctrl-C ends the training with a checkpoint and exit status 130, and a second one aborts; the
     same command resumes it.
     """
-    from ...learning.trainer import get
+    try:
+        from ...learning.training.configs import config_of
+        from ...learning.training.trainer import train
+    except ModuleNotFoundError as error:
+        raise MissingExtra("train", str(error.name).partition(".")[0], "rl") from None
 
-    train = get(config)
+    chosen = config_of(config, steps=steps, batch=batch, rate=rate, rollout=rollout)
     for name, value, least, most in (
-        ("--steps", 1 if steps is None else steps, 1, 10**12),
         ("--seed", seed, 0, 2**31 - 1),
         ("--jobs", jobs, 1, 1024),
         ("--evaluate-every", evaluate_every, 1, 10**12),
@@ -94,7 +107,7 @@ def command(
     from .bars import wanted
     from .signals import signals_to
 
-    with training_bar(wanted(as_json, quiet), quiet, steps) as bar:
+    with training_bar(wanted(as_json, quiet), quiet, chosen.steps) as bar:
 
         def interrupt() -> None:
             if not bar.began:  # there is nothing yet to keep
@@ -112,8 +125,8 @@ def command(
 
         with signals_to(interrupt):
             train(
+                chosen,
                 folder,
-                steps=steps,
                 seed=seed,
                 jobs=jobs,
                 device=device,

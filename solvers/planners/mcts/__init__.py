@@ -13,12 +13,13 @@ from adr_opt.common.constants import HOUR_S
 from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
 from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.learning.decoding import Field
+from adr_opt.learning.policy import load_policy
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
 from ...beams.recreate import recreate
-from ...policies.prior import Prior
 from ...progress.incumbent import Incumbent
 from . import policy as policies
 from . import tree as trees
@@ -43,7 +44,7 @@ class _Player:
     rng: np.random.Generator
     stop: Stop
     progress: Progress
-    prior: Prior | None = None
+    prior: Field | None = None
 
     def __post_init__(self) -> None:
         settings = self.settings
@@ -164,7 +165,9 @@ def mcts(
     """
     settings = settings_of(options)
     start = now_s()
-    prior = Prior(mission, options.policy) if options.policy and mission.instance.targets else None
+    prior = None
+    if options.policy and mission.instance.targets:
+        prior = Field(mission, load_policy(options.policy))
     if prior is not None:
         settings = replace(settings, tree="new")
     player = _Player(mission, settings, np.random.default_rng(seed), stop, progress, prior)
@@ -184,7 +187,7 @@ def mcts(
             "simulations": player.steps * settings.simulations,
             "polished": polished,
         },
-        notes=() if prior is None else prior.notes,
+        notes=() if prior is None else prior.policy.notes(mission),
     )
 
 

@@ -116,7 +116,7 @@ class MctsOptions(Options, method="mcts"):
     )
     policy: str = option(
         "",
-        "A learned policy as prior, `set` or a file written by `train` (extra `[ppo]`): moves are "
+        "A learned policy as prior, `policy` or a file written by `train`: moves are "
         "tried in its order, and every step begins a new tree.",
     )
 

@@ -1,0 +1,1 @@
+"""Training of the policy (extra ``[rl]``): what ``train`` runs, and its network for others."""

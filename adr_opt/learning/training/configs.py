@@ -1,0 +1,173 @@
+"""Configurations of training: the policy of the package, and the published one to compare with."""
+
+from __future__ import annotations
+
+import operator
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ...common.constants import DAY_S
+from ...common.errors import InputError
+from ...problem.uncertainty import (
+    CaptureUncertainty,
+    Delay,
+    LegUncertainty,
+    LognormalFactor,
+    ServiceUncertainty,
+    Uncertainty,
+)
+from ..environment.fields import PUBLISHED, Fields, Limits
+from ..environment.variants import TROUBLED
+
+TRAINED = Fields(
+    targets=(20, 60),
+    share_of_family=0.8,
+    delta_v_m_s=(700.0, 4000.0),
+    duration_s=(1.5 * DAY_S, 7.0 * DAY_S),
+    limits=(
+        Limits(3000.0, 7.0 * DAY_S),
+        Limits(3000.0, 7.0 * DAY_S),
+        Limits(3000.0, 3.0 * DAY_S),
+        Limits(1000.0, 7.0 * DAY_S),
+    ),
+    share_of_limits=0.85,
+)
+"""The three benchmark families, and missions of other budgets, durations and numbers of targets."""
+
+DEAR = LegUncertainty(delta_v_factor=LognormalFactor(lognormal_sigma=0.1))
+SLOW = LognormalFactor(lognormal_sigma=0.5)
+CAPTURES = CaptureUncertainty(success=0.8, tries=2)
+
+MODELS = (
+    *(Uncertainty() for _ in range(5)),
+    TROUBLED,
+    Uncertainty(legs=DEAR),
+    Uncertainty(capture=CAPTURES, gone=0.05),
+    Uncertainty(service_s=ServiceUncertainty(factor=SLOW, added=Delay(chance=0.1, mean_s=14400.0))),
+    Uncertainty(legs=DEAR, service_s=ServiceUncertainty(factor=SLOW), capture=CAPTURES, gone=0.05),
+)
+"""Worlds, of which each mission draws one: in half of them all goes as planned."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """A training, without its seed.
+
+    Attributes
+    ----------
+    name : str
+    observation : {"choices", "published"}
+        Of the set network, and of Stable-Baselines3's multilayer perceptron.
+    fields : Fields
+    models : tuple of Uncertainty
+        Of the worlds of missions; known ones if there is none.
+    steps : int
+        Environment steps of the whole training.
+    missions, slots, refresh_every : int
+        Of the :class:`adr_opt.learning.environment.MissionVecEnv`.
+    rollout : int
+        Steps of each mission between two updates.
+    batch, epochs, rate, gamma, gae_lambda, entropy
+        Of PPO. From the share ``constant`` of all steps on, rate and entropy fall linearly to 0.
+    constant : float
+    reward_scale : float
+        Factor of the rewards while training.
+    network : dict
+        Options of the network.
+
+    Raises
+    ------
+    InputError
+        A number out of range.
+    """
+
+    name: str
+    observation: str
+    fields: Fields
+    models: tuple[Uncertainty, ...]
+    steps: int
+    missions: int
+    rollout: int
+    batch: int
+    epochs: int
+    rate: float
+    gamma: float
+    gae_lambda: float
+    entropy: float
+    constant: float
+    reward_scale: float
+    slots: int = 48
+    refresh_every: int = 8192
+    network: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("steps", "rollout", "batch"):
+            value = operator.index(getattr(self, name))
+            least = 2 if name == "batch" else 1
+            if not least <= value <= 10**12:
+                raise InputError(f"--{name} = {value}: must be between {least} and {10**12}")
+        if not 0.0 < self.rate <= 1.0:
+            raise InputError(f"--rate = {self.rate:g}: must be positive, and at most 1")
+
+    def strength(self, steps: int) -> float:
+        """Factor of the rate after a number of steps."""
+        falling = self.steps * (1.0 - self.constant)
+        return min(1.0, max(0.0, (self.steps - steps) / falling)) if falling else 1.0
+
+
+POLICY = Config(
+    name="policy",
+    observation="choices",
+    fields=TRAINED,
+    models=MODELS,
+    steps=2_000_000,
+    missions=256,
+    rollout=64,
+    batch=1024,
+    epochs=2,
+    rate=1e-3,
+    gamma=1.0,
+    gae_lambda=0.97,
+    entropy=0.008,
+    constant=0.5,
+    reward_scale=0.1,
+    network={"width": 48, "layers": 2},
+)
+
+PUBLISHED_CONFIG = Config(
+    name="published",
+    observation="published",
+    fields=PUBLISHED,
+    models=(),
+    steps=10_000_000,
+    missions=128,
+    # Not in the appendix: Stable-Baselines3's own defaults, but for the length of a rollout, which
+    # is shared out over many missions.
+    rollout=128,
+    batch=2048,
+    epochs=10,
+    rate=5e-6,
+    gamma=0.99,
+    gae_lambda=0.95,
+    entropy=0.0,
+    constant=1.0,
+    reward_scale=1.0,
+    network={"net_arch": [256, 256]},
+)
+"""The published appendix: two layers of 256 units, which see no costs of moves."""
+
+CONFIGS = {config.name: config for config in (POLICY, PUBLISHED_CONFIG)}
+"""The configurations by name."""
+
+
+def config_of(name: str, **changed: Any) -> Config:
+    """The configuration with a name, with other numbers where they are not None.
+
+    Raises
+    ------
+    InputError
+        There is none of that name, or a number is out of range.
+    """
+    if name not in CONFIGS:
+        raise InputError(f"config {name!r} is unknown; use one of: {', '.join(CONFIGS)}")
+    return replace(CONFIGS[name], **{key: of for key, of in changed.items() if of is not None})

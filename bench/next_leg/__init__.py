@@ -1,1 +1,0 @@
-"""Training of the learned choice of the next leg, see bench/train_next_leg.py."""
