@@ -186,7 +186,8 @@ def _pinned(mission: Mission, route: list[_Leg], whose: str) -> Mission:
     moves = [leg.body for leg in route]
     mission.rules  # noqa: B018  one timetable for both
     made = copy(mission)
-    # Other pairs are asked for by the reasons of targets that are left out.
+    # Reasons of targets that are left out ask for all connections.
+    made.__dict__["over_all"] = mission.schedules
     made.__dict__["schedules"] = mission.schedules.over(
         lambda i, j: pins[i, j] if (i, j) in pins else usual(i, j)
     )

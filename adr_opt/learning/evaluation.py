@@ -20,8 +20,6 @@ from .episodes import Board
 from .held import FAMILIES, HeldFields
 from .policy import SHIPPED, Policy, load_policy, log_probabilities
 
-FORMAT = "adr-opt-splits/1"
-
 CONFIDENT = 1.96
 """Half width of an interval of 95 %, in standard errors of a mean."""
 

@@ -83,8 +83,10 @@ def removal_times(instance: Instance, chasers: Iterable[int]) -> dict[int, float
 def service_begins(instance: Instance, leg: Leg) -> float:
     """Start of the service at the end of a leg: on arrival, or when the window opens [s].
 
-    Of a plan that is wrong about its times no later than the leg ends.
+    Of a plan that is wrong about its times no later than the leg ends, and at nobody on arrival.
     """
+    if leg.destination not in instance.names:
+        return min(leg.arrival_s, leg.end_s)
     begin = service_ends(windows_at(instance), instance.names.index(leg.destination), leg.arrival_s)
     return min(float(begin), leg.end_s)
 

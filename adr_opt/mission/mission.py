@@ -376,6 +376,11 @@ class Mission(Shown, Prizes):
         return ConnectionFinder(self.instance, chaser=self._number)
 
     @cached_property
+    def over_all(self) -> Scheduler:
+        """Schedules over all connections, where :attr:`schedules` are restricted to some."""
+        return self.schedules
+
+    @cached_property
     def schedules(self) -> Scheduler:
         """Finder of the best schedule of an order of bodies."""
         if self._twin is not None:

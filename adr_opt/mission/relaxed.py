@@ -81,7 +81,7 @@ class Relaxed:
         self._instance: Instance = instance.replace(chasers=chasers)
         limits = limits_of(self._instance, number)
         self._rules = mission.rules._replace(windows=limits.windows, duration=limits.duration)
-        made = mission.schedules
+        made = mission.over_all
         if duration_s is not None or mission.connecting.depends_on_tank:
             connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
             cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s

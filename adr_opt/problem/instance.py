@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Mapping
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -291,10 +290,14 @@ class Instance(Shown, InstanceFile):
             usual_is_a_limit=not is_given,
         )
 
-    @cached_property
+    @property
     def numbering(self) -> Numbering:
-        """The bodies in order of their numbers."""
-        return Numbering(self.stations, self.chasers, self.targets)
+        """The bodies in order of their numbers, kept as long as they are the same."""
+        bodies, kept = (self.stations, self.chasers, self.targets), self.__dict__.get("_numbering")
+        # An unchecked copy takes what is kept along, whatever it changes.
+        if kept is None or any(a is not b for a, b in zip(bodies, kept.bodies, strict=True)):
+            kept = self.__dict__["_numbering"] = Numbering(*bodies)
+        return kept
 
     @property
     def start_bodies(self) -> dict[str, Orbit]:

@@ -33,6 +33,11 @@ class Numbering:
     chasers: tuple[Chaser, ...]
     targets: tuple[Target, ...]
 
+    @property
+    def bodies(self) -> tuple[tuple[Station, ...], tuple[Chaser, ...], tuple[Target, ...]]:
+        """What is numbered."""
+        return self.stations, self.chasers, self.targets
+
     @cached_property
     def start_bodies(self) -> dict[str, Orbit]:
         """Chasers' own start orbits, by name of the chaser.

@@ -46,7 +46,7 @@ class Layer(NamedTuple):
     parent: npt.NDArray[np.int32]
 
 
-class Windows(NamedTuple):
+class Deadlines(NamedTuple):
     """Deadlines for targets still to do, by place.
 
     Attributes
@@ -73,7 +73,7 @@ def empty_layer(room: int) -> Layer:
     )
 
 
-def windows_of(latest: npt.NDArray[np.float64]) -> Windows:
+def windows_of(latest: npt.NDArray[np.float64]) -> Deadlines:
     """Deadlines in order, from :func:`.tour.deadlines`."""
     targets = latest.shape[0] - 1
     time = np.full((targets, targets), np.inf)
@@ -85,7 +85,7 @@ def windows_of(latest: npt.NDArray[np.float64]) -> Windows:
         for rank, j in enumerate(order):
             missed[place, rank + 1] = missed[place, rank] | (1 << j)
         missed[place, targets] = missed[place, targets - 1]
-    return Windows(time, missed)
+    return Deadlines(time, missed)
 
 
 @kernel
@@ -217,13 +217,13 @@ class LayerSearch:
     ----------
     tour : TimedTour
     relaxation : Relaxation
-    windows : Windows
+    windows : Deadlines
     over : callable
         Whether the time is over.
     """
 
     def __init__(
-        self, tour: TimedTour, relaxation: Relaxation, windows: Windows, over: Callable[[], bool]
+        self, tour: TimedTour, relaxation: Relaxation, windows: Deadlines, over: Callable[[], bool]
     ) -> None:
         self._tour, self._relaxation, self._windows = tour, relaxation, windows
         self._over = over

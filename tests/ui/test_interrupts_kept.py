@@ -22,7 +22,6 @@ from terminals import read_until
 
 import adr_opt
 from adr_opt.common import files
-from adr_opt.learning import trainer
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
 
@@ -143,15 +142,15 @@ def test_interrupted_at_the_end(tmp_path: Path) -> None:
 
 def train(monkeypatch: pytest.MonkeyPatch, work: Callable[..., None]) -> list[str]:
     """Let a configuration do some work; returns the call."""
-    monkeypatch.setattr(trainer, "get", lambda name: work)
-    return ["train", "--config", "set", "--out", "run"]
+    monkeypatch.setattr("adr_opt.learning.training.trainer.train", work)
+    return ["train", "--config", "policy", "--out", "run"]
 
 
 @pytest.mark.usefixtures("heard")
 def test_a_training_that_prepares_ends_at_once(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
     """There is nothing to keep yet: what is done is said, then Ctrl-C ends it with 130."""
 
-    def work(folder: Path, **more: Any) -> None:
+    def work(*given: Any, **more: Any) -> None:
         interrupt()
         raise AssertionError
 
@@ -164,7 +163,7 @@ def test_a_training_that_prepares_ends_at_once(cli: Cli, monkeypatch: pytest.Mon
 def test_a_training_ends_with_a_checkpoint(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
     """Once it takes steps the first Ctrl-C asks for an end; the status is 130 all the same."""
 
-    def work(folder: Path, *, enough: Callable[[], bool], report: Any, **more: Any) -> None:
+    def work(*given: Any, enough: Callable[[], bool], report: Any, **more: Any) -> None:
         report(0, {})
         assert not enough()
         interrupt()
@@ -181,13 +180,13 @@ def test_a_training_ends_with_a_checkpoint(cli: Cli, monkeypatch: pytest.MonkeyP
 
 TRAINER = """
 import time
-from adr_opt.learning import trainer
-def work(folder, enough, report, **more):
+from adr_opt.learning.training import trainer
+def work(*given, enough, report, **more):
     time.sleep(1.0)
     report(0, {})
     while not enough(): time.sleep(0.01)
     time.sleep(600.0)
-trainer.get = lambda name: work
+trainer.train = work
 """
 
 
@@ -195,7 +194,7 @@ def test_a_second_interrupt_aborts_a_training(tmp_path: Path) -> None:
     """On a terminal something moves from the beginning, and the second Ctrl-C ends it."""
     ours, theirs = os.openpty()
     process = subprocess.Popen(
-        [sys.executable, "-c", TRAINER + CHILD, "train", "--config", "set", "--out", "run"],
+        [sys.executable, "-c", TRAINER + CHILD, "train", "--config", "policy", "--out", "run"],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=theirs,
