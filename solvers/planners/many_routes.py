@@ -117,7 +117,8 @@ class _Search:
         """Make the first plans; ``scale`` multiplies the number of moves per round."""
         self._moves, self._most_moves = scale * FIRST_MOVES, scale * MOST_MOVES
         if self._engine.serves:
-            self._certificate.offer(*(start or ()))
+            if start is not None:
+                self._certificate.offer(*start)
             if self._certificate.routes is None:
                 self._engine.at_first()
             self.routes.begin_again()

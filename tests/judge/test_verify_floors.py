@@ -51,7 +51,7 @@ def proven(instance: Instance) -> tuple[float, Certificate]:
 
 def fits(instance: Instance) -> bool:
     """Whether floors are known of it."""
-    return not (instance.spent_m_s or instance.given is not None)
+    return instance.given is None
 
 
 @over_kinds(

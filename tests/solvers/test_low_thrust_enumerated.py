@@ -21,7 +21,7 @@ KINDS = {
     "tows": ({"tows": True}, range(300, 340), 3),
     "coarse": ({"resolution_m_s": 20.0}, range(400, 440), 2),
     "two": ({"chasers": 2}, range(200, 230), 1),
-    "free": ({"free": True}, range(500, 540), 2),
+    "free": ({"free": True}, range(500, 540), 3),
 }
 
 

@@ -22,13 +22,14 @@ from ...problem.chasers import Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.towed import towed_bodies
-from .claim import remembered, worths_of
+from .claim import difference_of, remembered, worths_of
 from .legs import legs_of
 from .lists import Lists
 from .walks import Paying, WalkAnswer, asked, refuted, walks_reach
 
-SLACK = Fraction(1, 10**10)
-"""Share by which a walk may be worth less, so that no rounding of a sum of prizes counts."""
+SLACK, LEAST_SLACK = Fraction(1, 10**10), Fraction(1, 2**50)
+"""Share by which a walk may be worth less, so that no rounding of a sum of prizes counts, and what
+that share is at least where other plans would be worth as much."""
 
 RELATIVE = 1e-6
 """Share of a bound up to which costs are the same."""
@@ -148,7 +149,9 @@ def _least_worth(instance: Instance, certificate: Certificate, cost: ProvenCost)
     """What the plans that are asked about are worth at least."""
     required = sum(target.required for target in instance.targets)
     least = Fraction(cost.prize) + required * Fraction(certificate.required_worth)
-    return least - SLACK * abs(least)
+    # Beside large prizes a share of them is more than a small one: who collects less is not meant.
+    other = Fraction(difference_of(instance, certificate)) / 2
+    return least - min(SLACK * abs(least), max(other, LEAST_SLACK * abs(least)))
 
 
 def _counts(

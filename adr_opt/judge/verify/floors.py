@@ -16,7 +16,8 @@ that comes off best; or each chaser is taken alone, and what it collects rounded
 
 Of a tank by mass, ΔV is c ln(m + s) with the mass m of the chaser without kits, c = g₀ Isp, and a
 ballast s. What a service takes of that is least for the lightest or the heaviest chaser, since
-masses before it are α m + β by those after it. A launch gives a chaser a leg for nothing.
+masses before it are α m + β by those after it. A launch gives a chaser a leg for nothing. A tank
+that is not full at the start counts as full: a plan that keeps to less keeps to more.
 """
 
 from __future__ import annotations
@@ -148,7 +149,6 @@ def _refuse(instance: Instance) -> None:
     for without, why in (
         (instance.given is not None, "given connections"),
         (registered_of(instance), "legs of a registered family"),
-        (instance.spent_m_s, "a tank that is not full"),
     ):
         if without:
             raise InputError(f"not yet verifiable: floors of an instance with {why}")
