@@ -9,6 +9,7 @@ import numpy as np
 
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import Clock, Stop
+from adr_opt.legs.families.registry import registered_of
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
 
@@ -204,7 +205,9 @@ def plan(
         scale = max(1, round(sweep_s(problem) / USUAL_SWEEP_S))
         prover = _Prover(problem, certificate, pool, seed, within, options)
     search.begin(None if start is None else tuple(map(tuple, start)), scale)
-    if goals.proves:
+    instance = problem.instance
+    # Of others nobody but a prover knows floors, and what they close could not be verified.
+    if goals.proves and instance.given is None and not registered_of(instance):
         certificate.lower(*floor_evidence(problem))
     lacking = lacks_plan(problem, certificate)
     rounds = 0
