@@ -7,6 +7,7 @@ import io
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from ..common.errors import InputError
+from ..common.files import read_text
 from .catalogue.records import shown
 
 
@@ -56,6 +57,30 @@ def csv_number(text: str, where: str) -> float:
         return float(text)
     except ValueError:
         raise InputError(f"{where} = {shown(text)!r}: must be a number") from None
+
+
+def named_numbers(path: str, columns: Sequence[str]) -> Iterator[tuple[str, str, list[float]]]:
+    """The rows of a file of names and numbers: place, name and numbers of each.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, has other columns, a value is no number, or a name is missing or twice.
+    """
+
+    def header_of(cells: list[str], where: str) -> list[str]:
+        if cells != list(columns):
+            raise InputError(f"{where}: the first line must be {','.join(columns)}")
+        return cells
+
+    known = set[str]()
+    for where, row in csv_rows(read_text(path), path, header_of, ",".join(columns)):
+        name, *_ = row.values()
+        if not name or name in known:
+            raise InputError(f"{where}: {'a name is missing' if not name else f'{name!r} again'}")
+        known.add(name)
+        numbers = [csv_number(row[each], f"{where}: {each}") for each in columns[1:]]
+        yield where, name, numbers
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

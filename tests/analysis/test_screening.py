@@ -202,7 +202,7 @@ def test_what_cannot_be_screened_is_refused(
     assert not Path("s.csv").exists()
 
 
-ERRORS = """object,radius_m,cr_r,ct_r,ct_t,cn_r,cn_t,cn_n
+ERRORS = """object,radius_m,cr_r_m2,ct_r_m2,ct_t_m2,cn_r_m2,cn_t_m2,cn_n_m2
 chaser,3,100,20,400,0,0,100
 *,2,1e8,0,4e8,0,1e6,1e8
 """
@@ -286,7 +286,7 @@ def test_messages_are_read_by_another_library(
     [
         ("a,0,1,0,1,0,0,1", "radius_m = 0"),
         ("a,1,1,2,1,0,0,1", "positive definite"),
-        ("a,1,x,0,1,0,0,1", "must be numbers"),
+        ("a,1,x,0,1,0,0,1", "must be a number"),
         ("a,1,nan,0,1,0,0,1", "positive definite"),
         (",1,1,0,1,0,0,1", "a name is missing"),
     ],

@@ -55,10 +55,11 @@ def _lines(approach: CloseApproach, known: Mapping[str, PositionErrors]) -> Iter
     yield f"CREATION_DATE = {datetime.now(UTC):%Y-%m-%dT%H:%M:%S}"
     yield "ORIGINATOR = ADR-OPT"
     yield f"MESSAGE_ID = {printable(approach.chaser)}-{approach.leg}-{approach.time_s:.3f}"
-    yield f"TCA = {_label(approach)}"
+    yield f"TCA = {approach.epoch.removesuffix('Z')}"
     yield f"MISS_DISTANCE = {approach.miss_m:.3f} [m]"
     yield f"RELATIVE_SPEED = {approach.speed_m_s:.6f} [m/s]"
-    for axis, value in zip("RTN", _parts(approach), strict=True):
+    parts_m = approach.radial_m, approach.along_m, approach.cross_m
+    for axis, value in zip("RTN", parts_m, strict=True):
         yield f"RELATIVE_POSITION_{axis} = {value:.3f} [m]"
     if approach.probability is not None:
         yield f"COLLISION_PROBABILITY = {approach.probability:.6E}"
@@ -92,11 +93,3 @@ def _covariance(known: PositionErrors) -> Iterator[str]:
             value = known.covariance_m2[row, column] if row < 3 else 0.0
             unit = "m**2" + ("/s" * (row > 2) if column < 3 else "/s**2")
             yield f"C{_AXES[row]}_{_AXES[column]} = {value:.9E} [{unit}]"
-
-
-def _parts(approach: CloseApproach) -> tuple[float, float, float]:
-    return approach.radial_m, approach.along_m, approach.cross_m
-
-
-def _label(approach: CloseApproach) -> str:
-    return approach.epoch.removesuffix("Z")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from collections.abc import Mapping
@@ -12,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
-from ...common.files import read_text
+from ...sources.csv_table import named_numbers
 
 Array = npt.NDArray[np.float64]
 
-COLUMNS = ("object", "radius_m", "cr_r", "ct_r", "ct_t", "cn_r", "cn_t", "cn_n")
-"""Columns of a file of position errors; covariances as a conjunction data message names them."""
+COLUMNS = ("object", "radius_m", "cr_r_m2", "ct_r_m2", "ct_t_m2", "cn_r_m2", "cn_t_m2", "cn_n_m2")
+"""Columns of a file of position errors; covariances as a table of target errors has them."""
 
 EVERYBODY = "*"
 """Name of the row for objects without one of their own."""
@@ -68,18 +67,9 @@ def read_errors(path: str | os.PathLike[str]) -> dict[str, PositionErrors]:
         It cannot be read or has other columns, a value is no number, a covariance is none, or a
         name stands twice.
     """
-    rows = csv.DictReader(read_text(path).splitlines())
-    if tuple(rows.fieldnames or ()) != COLUMNS:
-        raise InputError(f"{path}: the first line must be {','.join(COLUMNS)}")
     found: dict[str, PositionErrors] = {}
-    for row in rows:
-        where, name = f"{path}: line {rows.line_num}", row["object"]
-        if not name or name in found:
-            raise InputError(f"{where}: {'a name is missing' if not name else f'{name!r} again'}")
-        try:
-            radius, rr, tr, tt, nr, nt, nn = (float(row[column]) for column in COLUMNS[1:])
-        except (TypeError, ValueError):
-            raise InputError(f"{where}: all but the name must be numbers") from None
+    for where, name, numbers in named_numbers(str(path), COLUMNS):
+        radius, rr, tr, tt, nr, nt, nn = numbers
         covariance = np.array([[rr, tr, nr], [tr, tt, nt], [nr, nt, nn]])
         if not 0.0 < radius < math.inf:
             raise InputError(f"{where}: radius_m = {radius:g}: must be a positive number of metres")

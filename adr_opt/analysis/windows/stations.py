@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
-from ...common.files import read_text
+from ...sources.csv_table import named_numbers
 
 COLUMNS = ("name", "latitude_deg", "longitude_deg", "altitude_m")
 """Columns of a file of ground stations."""
@@ -99,17 +98,5 @@ def read_stations(path: str | os.PathLike[str]) -> dict[str, GroundStation]:
     InputError
         It cannot be read or has other columns, a value is no number, or a name stands twice.
     """
-    rows = csv.DictReader(read_text(path).splitlines())
-    if tuple(rows.fieldnames or ()) != COLUMNS:
-        raise InputError(f"{path}: the first line must be {','.join(COLUMNS)}")
-    found: dict[str, GroundStation] = {}
-    for row in rows:
-        where, name = f"{path}: line {rows.line_num}", row["name"]
-        if not name or name in found:
-            raise InputError(f"{where}: {'a name is missing' if not name else f'{name!r} again'}")
-        try:
-            numbers = [float(row[column]) for column in COLUMNS[1:]]
-        except (TypeError, ValueError):
-            raise InputError(f"{where}: coordinates must be numbers") from None
-        found[name] = GroundStation(name, *numbers)
-    return found
+    rows = named_numbers(str(path), COLUMNS)
+    return {name: GroundStation(name, *numbers) for _, name, numbers in rows}

@@ -302,4 +302,4 @@ VARIED = Fields(
     share_of_limits=0.75,
 )
 """Domain randomisation over budget, duration and number of targets, including the three benchmark
-families; the ``set`` policy is trained on it."""
+families."""

@@ -6,7 +6,6 @@ import operator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...problem.uncertainty import (
     CaptureUncertainty,
@@ -16,23 +15,11 @@ from ...problem.uncertainty import (
     ServiceUncertainty,
     Uncertainty,
 )
-from ..environment.fields import PUBLISHED, Fields, Limits
+from ..environment.fields import PUBLISHED, VARIED, Fields
 from ..environment.variants import TROUBLED
 
-TRAINED = Fields(
-    targets=(20, 60),
-    share_of_family=0.8,
-    delta_v_m_s=(700.0, 4000.0),
-    duration_s=(1.5 * DAY_S, 7.0 * DAY_S),
-    limits=(
-        Limits(3000.0, 7.0 * DAY_S),
-        Limits(3000.0, 7.0 * DAY_S),
-        Limits(3000.0, 3.0 * DAY_S),
-        Limits(1000.0, 7.0 * DAY_S),
-    ),
-    share_of_limits=0.85,
-)
-"""The three benchmark families, and missions of other budgets, durations and numbers of targets."""
+TRAINED = replace(VARIED, share_of_family=0.8, share_of_limits=0.85)
+"""As varied as :data:`VARIED`, but more often the three benchmark families."""
 
 DEAR = LegUncertainty(delta_v_factor=LognormalFactor(lognormal_sigma=0.1))
 SLOW = LognormalFactor(lognormal_sigma=0.5)
