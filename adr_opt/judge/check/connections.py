@@ -15,6 +15,7 @@ import numpy as np
 
 from ...common.constants import SLACK_S
 from ...kernels.legs import burns as burn_kernels
+from ...kernels.orbits.body_rows import launched
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.connections import Connections
 from ...legs.families.family import StatedLeg, Way
@@ -91,6 +92,8 @@ def sample_connections(
     missing: list[str] = []
     for turn, at in enumerate(drawn):
         i, j = pairs[at]
+        if i in connecting.ends.launched:
+            physics.left[i] = launched(physics.left[i], physics.elements[j])
         found = connecting.of_pair(i, j, resolution)
         # What was spent before the start goes off the tank with the first leg: no cost of it.
         found = replace(found, delta_v=found.delta_v - connecting.spent_m_s(i))

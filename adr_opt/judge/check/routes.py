@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from ...common.constants import SLACK_M_S, SLACK_S
 from ...kernels.orbits import ephemeris
+from ...plan.launched import as_launched
 from ...plan.leg_kinds import GIVEN, LAUNCH
 from ...plan.plan import Leg, Plan
 from ...problem.chasers import AtStation, Chaser
@@ -112,7 +113,7 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
             )
         drive = drive_of(chaser, instance.targets)
         if drive not in physics:
-            physics[drive] = Physics.of(instance, drive)
+            physics[drive] = Physics.of(as_launched(instance, plan), drive)
         leads_on = yield from _check_route(
             instance, bodies, physics[drive], now, visited, first, route
         )
