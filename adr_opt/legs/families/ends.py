@@ -228,14 +228,15 @@ class AllEnds:
     def of(self, i: int, j: int) -> PairEnds:
         """The ends of a pair."""
         leave_by, arrive_by = self.altitudes.leave_by[i], self.altitudes.arrive_by[j]
+        left = self.leaving[i]
+        if i in self.launched:
+            left = launched(left, self.arriving[j])
         times = None if self.times is None else self.times._replace(leave_by=float(leave_by))
         return PairEnds(
             self.instance,
             i,
             j,
-            self.leaving[i]
-            if i not in self.launched
-            else launched(self.leaving[i], self.arriving[j]),
+            left,
             self.arriving[j],
             self.eccentricity_m_s[i, j],
             self.rule,
