@@ -1,6 +1,6 @@
 """Launches into orbits as a plan makes them (docs/model.md section 5.5).
 
-A chaser is launched when its first leg departs, into the plane that has the target's node then.
+A chaser is launched when its first leg leaves, into the plane that has the target's node then.
 From there on it is one that starts in an orbit of its own, and is flown, shown and exported so.
 """
 
@@ -35,9 +35,9 @@ def _launched(instance: Instance, chaser: Chaser, legs: tuple[Leg, ...]) -> Chas
         return chaser
     rows, names = instance.orbits(), instance.names
     own, target = rows[names.index(chaser.name)], rows[names.index(legs[0].destination)]
-    departure_s = legs[0].departure_s
-    node = float(ephemeris.node_at(target, departure_s))
-    node -= float(ephemeris.node_rate_at(own, departure_s)) * departure_s
+    launch_s = legs[0].leaves_s
+    node = float(ephemeris.node_at(target, launch_s))
+    node -= float(ephemeris.node_rate_at(own, launch_s)) * launch_s
     latitude = float(ephemeris.latitude_at(target, EPOCH_S)) + math.pi
     orbit = start.orbit.replace(
         raan_deg=math.degrees(node) % 360.0, true_anomaly_deg=math.degrees(latitude) % 360.0

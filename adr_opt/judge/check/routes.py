@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ...common.constants import SLACK_M_S, SLACK_S
 from ...kernels.orbits import ephemeris
-from ...plan.launched import as_launched
+from ...kernels.orbits.body_rows import launched
 from ...plan.leg_kinds import GIVEN, LAUNCH
 from ...plan.plan import Leg, Plan
 from ...problem.chasers import AtStation, Chaser
@@ -113,7 +113,12 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
             )
         drive = drive_of(chaser, instance.targets)
         if drive not in physics:
-            physics[drive] = Physics.of(as_launched(instance, plan), drive)
+            physics[drive] = Physics.of(instance, drive)
+        if chaser.launch is not None and route and route[0].destination in bodies.number:
+            home, first_target = bodies.number[chaser.name], bodies.number[route[0].destination]
+            physics[drive].left[home] = launched(
+                physics[drive].elements[home], physics[drive].elements[first_target]
+            )
         leads_on = yield from _check_route(
             instance, bodies, physics[drive], now, visited, first, route
         )
