@@ -25,7 +25,15 @@ from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.orbits.eccentricity import matchings
 from ..kernels.orbits.ephemeris import EPOCH_S
 from .bodies import Target
-from .capture_windows import Array, FileWindows, WindowFile, file_of, intervals_of, read_windows
+from .capture_windows import (
+    Array,
+    FileWindows,
+    WindowFile,
+    file_of,
+    intervals_of,
+    read_windows,
+    windows_from,
+)
 from .chasers import Chaser, availability
 from .ephemerides import EphemeridesFile
 from .format_2 import FORMAT as FORMAT
@@ -217,6 +225,13 @@ class Instance(Shown, InstanceFile):
                 "read the instance with adr_opt.load from a file beside it"
             )
         return self._windows.intervals.get(target.name, np.empty((0, 2)))
+
+    def with_own_windows(self, target: Target) -> Target:
+        """A target whose windows stand in the file, with them as its own."""
+        if self.windows is None:
+            return target
+        intervals = windows_from(self.intervals_of(target)) or ((0.0, 0.0),)
+        return target.replace(window_s=(0.0, None), windows_s=intervals)
 
     def without_closings(self) -> Self:
         """The same instance with targets of which each may be captured once its window opens."""

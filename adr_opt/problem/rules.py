@@ -424,7 +424,7 @@ JUDGED = (
 """What both judges state once more, and all follow that make, hold, compare and show what planners
 are told and plan: a rule comes in here by hand, with its judges."""
 
-PLAYED = (FIRST | MODELLED | {"visits between refuellings"}) - {
+PLAYED = (FIRST | MODELLED | {"visits between refuellings", "capture windows"}) - {
     "bodies without an orbit",
     "prizes that fall",
     "number of stations",
