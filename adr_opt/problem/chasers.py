@@ -432,6 +432,11 @@ class Chaser(Record):
         return self.start.launch if isinstance(self.start, LaunchedInto) else None
 
     @property
+    def awaits_launch(self) -> bool:
+        """Whether it is nowhere before its first leg."""
+        return self.is_launched or self.launch is not None
+
+    @property
     def most_kg(self) -> float:
         """The most that it may weigh at the start; infinite where no launcher limits it [kg]."""
         return math.inf if self.launch is None else self.launch.most_kg
