@@ -75,14 +75,20 @@ class Launch(Record):
 
     altitude_m: Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
     inclination_deg: Annotated[float, Field(ge=0.0, le=180.0)]
-    launcher: Annotated[tuple[tuple[float, float], ...], Field(strict=False)] | None = None
+    launcher: (
+        Annotated[
+            tuple[Annotated[tuple[float, float], Field(strict=False)], ...],
+            Field(strict=False, min_length=1),
+        ]
+        | None
+    ) = None
 
     @model_validator(mode="after")
     def _reaches(self) -> Self:
         if self.launcher is None:
             return self
         heights = [altitude for altitude, _ in self.launcher]
-        if heights != sorted(set(heights)) or min((kg for _, kg in self.launcher), default=0.0) < 0:
+        if heights != sorted(set(heights)) or min(kg for _, kg in self.launcher) < 0:
             raise ValueError(
                 f"launcher = {self.launcher!r}: give rows [altitude_m, mass_kg], altitudes "
                 "ascending and masses of at least 0"
