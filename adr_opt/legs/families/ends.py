@@ -228,10 +228,13 @@ class AllEnds:
     def of(self, i: int, j: int) -> PairEnds:
         """The ends of a pair."""
         leave_by, arrive_by = self.altitudes.leave_by[i], self.altitudes.arrive_by[j]
-        left = self.leaving[i]
+        left, times = self.leaving[i], self.times
+        if times is not None:
+            times = times._replace(leave_by=float(leave_by))
         if i in self.launched:
             left = launched(left, self.arriving[j])
-        times = None if self.times is None else self.times._replace(leave_by=float(leave_by))
+            # In the plane of the target there is nothing to drift for.
+            times = times._replace(longest=0.0) if times and self.drive is None else times
         return PairEnds(
             self.instance,
             i,
