@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...common.wording import shortened
-from ...plan.phases import COLOURS, LABELS
+from ...plan.phases import COLOURS, LABELS, PHASES
 from ...plan.plan import Plan
 from ...plan.routes import routes_of, several
 from ...problem.instance import Instance
@@ -31,7 +31,8 @@ def phases(shown: list[str]) -> str:
     """The legend of all charts: a button per phase that hides and shows it."""
     return "".join(
         f'<button type="button" class="phase" aria-pressed="true" data-phase="{phase}">'
-        f'<i style="background:{COLOURS[phase]}"></i>{LABELS[phase]}</button>'
+        f'<i style="background-color:{COLOURS[phase]}" data-pattern="{PHASES[phase].pattern}"></i>'
+        f"{LABELS[phase]}</button>"
         for phase in shown
     )
 
