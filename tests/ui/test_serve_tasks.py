@@ -9,7 +9,7 @@ from pathlib import Path
 
 import browser
 import pytest
-from serve_tab import on_page, put, served, text
+from serve_tab import in_report, on_page, put, served, text
 
 import adr_opt
 from adr_opt.problem.instance import Instance
@@ -21,6 +21,20 @@ for package in ("plotly", "starlette", "uvicorn"):
     pytest.importorskip(package)
 
 MOST_CLICKS = 5
+
+CLICKED = """(() => {
+  const chart = document.getElementById("orbits");
+  const targets = chart.marks?.filter(({ name }) => name.startsWith("debris"));
+  if (!targets?.length) return null;
+  const { left, top } = chart.getBoundingClientRect();
+  const { x, y } = targets[0];
+  const place = { clientX: left + x, clientY: top + y, bubbles: true, pointerId: 1 };
+  chart.dispatchEvent(new PointerEvent("pointerdown", place));
+  chart.dispatchEvent(new PointerEvent("pointerup", place));
+  chart.dispatchEvent(new MouseEvent("click", place));
+  return targets[0].name;
+})()"""
+"""Clicks on the first target that is seen on the globe; its name."""
 
 
 def drawn() -> Instance:
@@ -152,3 +166,31 @@ def test_a_sample_is_a_click_away(tmp_path: Path) -> None:
         Newcomer(tab).click("#sample")
         on_page(tab, "stage", "mission")
         assert text(tab, "counts").startswith("50 in all")
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+@pytest.mark.slow
+def test_an_object_is_clicked_in_the_report(tmp_path: Path) -> None:
+    """A click on the globe names an object, which is required, excluded or given a deadline."""
+    drawn().save(tmp_path / "my.json")
+    with served(tmp_path, "my.json") as said, browser.Browser(tmp_path / "profile") as tab:
+        tab.go(said["url"])
+        on_page(tab, "reported", 0)
+        put(tab, "#limit", "5")
+        tab.evaluate("document.getElementById('plan').click()")
+        on_page(tab, "reported", 1)
+        name = in_report(tab, CLICKED)
+        tab.wait_for("document.getElementById('object').open")
+        assert text(tab, "object-name") == name
+        put(tab, "#object-deadline", 1.25)
+        on_page(tab, "revision", 2)
+        tab.evaluate("document.getElementById('object-excluded').click()")
+        tab.wait_for(f"document.querySelector('[aria-label=\"Exclude {name}\"]').checked")
+        draft = adr_opt.load(tmp_path / "my-served" / "draft.json")
+        assert name not in {target.name for target in draft.targets}
+        tab.evaluate("document.getElementById('undo').click()")
+        tab.wait_for(f"!document.querySelector('[aria-label=\"Exclude {name}\"]').checked")
+        draft = adr_opt.load(tmp_path / "my-served" / "draft.json")
+        (target,) = (each for each in draft.targets if each.name == name)
+        assert target.window_s == (0.0, 108000.0)

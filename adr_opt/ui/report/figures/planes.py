@@ -66,7 +66,8 @@ def planes(instance: Instance, plan: Plan) -> Figure:
         if isinstance(one, Line):
             return {"opacity": 0.6} | SILENT
         texts = [told(leg, body) for leg, body in one.of]
-        return said("%{text}<br>RAAN %{x:.3f}°, inclination %{y:.3f}°", texts)
+        ids = [instance.names[body] for _, body in one.of]
+        return {"ids": ids} | said("%{text}<br>RAAN %{x:.3f}°, inclination %{y:.3f}°", texts)
 
     made = figure(planes_chart(instance, plan), more, showlegend=True)
     made["data"][-1:-1] = [_order(instance, flown) for flown in routes_of(instance, plan)]

@@ -330,7 +330,7 @@ function nearest(x, y) {
   const mark = markedPlaces.reduce((best, one) => (!best || off(one) < off(best) ? one : best), null);
   if (mark && off(mark) < NEAR_PX) {
     const leg = motion.legs.findIndex(({ to }) => to !== null && to === mark.body) + 1;
-    return { said: mark.name, leg };
+    return { said: mark.name, leg, name: mark.body === null ? null : mark.name };
   }
   const chart = box("orbits");
   const seen = lens(chart.clientWidth, chart.clientHeight);

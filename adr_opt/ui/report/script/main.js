@@ -13,6 +13,11 @@ function choose(leg) {
   return drawAgain();
 }
 
+// A page that the report is part of is told which object was clicked.
+function told(name) {
+  if (parent !== window) parent.postMessage({ object: name }, "*");
+}
+
 // What is zoomed in one chart of times is zoomed in all of them.
 let following = false;
 function follow(name, event) {
@@ -63,6 +68,9 @@ function listen() {
   }
   for (const name of ["lanes", "gantt", "costs"].filter((name) => name in figures)) {
     box(name).on("plotly_click", (event) => choose(event.points[0].customdata));
+  }
+  if (figures.planes) {
+    box("planes").on("plotly_click", ({ points: [{ id }] }) => id && told(id));
   }
   for (const query of [dark, narrow]) {
     query.addEventListener("change", async () => {

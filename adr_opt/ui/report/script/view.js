@@ -120,7 +120,9 @@ function listenToView() {
   }
   chart.addEventListener("click", (event) => {
     const found = moved < 4 && nearest(...placed(event));
-    if (found && found.leg) choose(found.leg === chosen ? 0 : found.leg);
+    if (!found) return;
+    if (found.leg) choose(found.leg === chosen ? 0 : found.leg);
+    if (found.name) told(found.name);
   });
   chart.addEventListener("wheel", (event) => {
     if (!event.ctrlKey && document.activeElement !== chart) return;

@@ -128,7 +128,7 @@ VERBS: dict[str, JobVerb] = {
     ),
     "check": JobVerb("Check", ("plan",)),
     "export": JobVerb(
-        "Export",
+        "Export flight",
         ("plan or refined",),
         (
             choice("format", "Format", FLIGHTS, "oem", help=OF_FLIGHTS),
