@@ -23,8 +23,9 @@ for package in ("plotly", "starlette", "uvicorn"):
 MOST_CLICKS = 5
 
 CLICKED = """(() => {
+  if (!document.documentElement?.dataset.complete) return null;
   const chart = document.getElementById("orbits");
-  const targets = chart.marks?.filter(({ name }) => name.startsWith("debris"));
+  const targets = chart?.marks?.filter(({ name }) => name.startsWith("debris"));
   if (!targets?.length) return null;
   const { left, top } = chart.getBoundingClientRect();
   const { x, y } = targets[0];
