@@ -109,7 +109,8 @@ class Launch(Record):
         """The most that a chaser may weigh at launch; infinite without a launcher [kg]."""
         if self.launcher is None:
             return math.inf
-        return float(np.interp(self.altitude_m, *zip(*self.launcher, strict=True)))
+        altitudes, masses = np.transpose(self.launcher)
+        return float(np.interp(self.altitude_m, altitudes, masses))
 
 
 class LaunchedInto(Record):

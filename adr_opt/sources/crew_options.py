@@ -210,7 +210,7 @@ class CrewOptions(NamedTuple):
         from pydantic import ValidationError
 
         from ..common.sentences import sentence
-        from ..problem.chasers import LaunchedInto
+        from ..problem.chasers import Launch, LaunchedInto
 
         if self.launch_into is None:
             if self.launcher is not None:
@@ -227,7 +227,7 @@ class CrewOptions(NamedTuple):
             ) from None
         launch: dict[str, Any] = {"altitude_m": 1e3 * altitude_km, "inclination_deg": inclination}
         try:
-            return LaunchedInto(launch=launch | ({"launcher": lifts} if lifts else {}))
+            return LaunchedInto(launch=Launch(**launch | ({"launcher": lifts} if lifts else {})))
         except ValidationError as error:
             raise InputError(f"--launch-into {self.launch_into!r}: {sentence(error)}") from None
 

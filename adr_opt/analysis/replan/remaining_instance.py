@@ -94,7 +94,7 @@ def remaining_instance(
                 f"lost {name!r}: it is done by then, or the leg to it has begun; tell it as missed "
                 "if it is not serviced"
             )
-    put = {state.body: put_s(instance, state) for state in states if state.is_put}
+    put = {state.body or "": put_s(instance, state) for state in states if state.is_put}
     targets = tuple(
         # A target still to be towed has no prize any more, and is there for its own chaser only.
         target.replace(
