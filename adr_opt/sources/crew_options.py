@@ -216,10 +216,11 @@ class CrewOptions(NamedTuple):
             if self.launcher is not None:
                 raise InputError("--launcher: onto which orbit? Give --launch-into as well")
             return "anywhere"
-        rows = [row.split("=") for row in (self.launcher or "").split(",") if row]
+        said = [] if self.launcher is None else self.launcher.split(",")
         try:
             altitude_km, inclination = map(float, self.launch_into.split(","))
-            lifts = [(1e3 * float(km), float(kg)) for km, kg in rows]
+            rows = [map(float, row.split("=")) for row in said]
+            lifts = [(1e3 * km, kg) for km, kg in rows]
         except ValueError:
             raise InputError(
                 f"--launch-into {self.launch_into!r}, --launcher {self.launcher!r}: give "
