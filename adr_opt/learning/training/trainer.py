@@ -115,6 +115,9 @@ class Keeper(BaseCallback):
         self.model.lr_schedule = lambda _: self.config.rate * strength
         model: Any = self.model
         model.ent_coef = self.config.entropy * strength
+        model.batch_size = self.config.batch * (
+            1 if strength > 0.5 else 2 if strength > 0.25 else 4
+        )
         self.report(self.num_timesteps, {})
         if self.num_timesteps >= self._next:
             self._evaluate()
