@@ -61,8 +61,8 @@ class Config:
     rollout : int
         Steps of each mission between two updates.
     batch, epochs, rate, gamma, gae_lambda, entropy
-        Of PPO. From the share ``constant`` of all steps on, rate and entropy fall linearly to 0, and
-        batches grow to four times their size.
+        Of PPO. From the share ``constant`` of all steps on, rate and entropy fall linearly to 0,
+        and batches grow to four times their size.
     constant : float
     reward_scale : float
         Factor of the rewards while training.
