@@ -35,13 +35,16 @@ from adr_opt.analysis.rehearse.flight import Situation, rehearsed
 from adr_opt.analysis.rehearse.intended import Intended, intended
 from adr_opt.analysis.rehearse.learned import Learned
 from adr_opt.analysis.rehearse.mission_facts import MissionFacts
+from adr_opt.kernels.episodes import episodes as episode_kernels
 from adr_opt.kernels.episodes.choices import COST, SAFE
 from adr_opt.kernels.episodes.episodes import Episodes, StackedFields
+from adr_opt.learning.decoding import Field
 from adr_opt.learning.environment import OBSERVATIONS, TROUBLED, TROUBLES, MissionEnv, MissionVecEnv
 from adr_opt.learning.episodes import Board
 from adr_opt.learning.evaluation import evaluate, splits
 from adr_opt.learning.held import FAMILIES as HELD_FAMILIES
 from adr_opt.learning.policy import SHIPPED, load_policy
+from adr_opt.mission.mission import Mission
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.problem.world import DrawnWorld
 from adr_opt.sources.generator import FAMILIES
@@ -277,30 +280,55 @@ def evaluated(
 
 
 def decisions(targets: tuple[int, ...] = (50, 500, 5000), fields: int = 5) -> None:
-    """Processor time of decisions on demand, without a timetable, and what comes of them."""
-    head("targets", "fields", "prize", "ms a decision, median", "of 90 % of them")
+    """Processor time from a state to a move, the least of three, and what comes of the moves.
+
+    With the timetable of an environment, and with connections worked out on demand.
+    """
+    head("targets", "connections", "fields", "prize", "ms a decision, median", "of 90 % of them")
     policy = load_policy()
+
+    def least_ms(decide: Callable[[], Any]) -> float:
+        def once() -> float:
+            began = time.process_time()
+            decide()
+            return 1e3 * (time.process_time() - began)
+
+        return min(once() for _ in range(3))
+
+    def line(count: int, how: str, prizes: list[float], spent: list[float]) -> None:
+        middle, most = np.quantile(spent, (0.5, 0.9))
+        row(count, how, len(prizes), interval(prizes), f"{middle:.2f}", f"{most:.2f}")
+
+    spent, prizes = list[float](), list[float]()
+    for number in range(-1, fields):  # the first one loads kernels
+        field = Field(Mission(adr_opt.generate("nominal", 200 + number)), policy)
+        episodes, rewards = field.begin(1), np.zeros(1, dtype=np.float32)
+        while (seen := field.judged(episodes))[1].legal[0]:
+            spent.append(least_ms(lambda: field.judged(episodes)[0].argmax(axis=1)))  # noqa: B023
+            episode_kernels.act(field.pool.arrays, episodes, 0, 1, seen[0].argmax(axis=1), rewards)
+        if number < 0:
+            spent.clear()
+        else:
+            prizes.append(float(episodes.serviced[0]))
+    line(50, "timetable", prizes, spent)
     for count in targets:
-        spent, prizes = list[float](), list[float]()
+        spent, prizes = [], []
         for number in range(-1, fields):  # the first one loads kernels
             facts = MissionFacts(adr_opt.generate("nominal", 200 + number, targets=count), cores=1)
             flies = Learned(facts, Intended(None, ((),), (0,)), Uncertainty(), 0, policy)
-            clocked, decide = list[float](), flies.next_leg
 
-            def timed_leg(now: Situation, to: list[float] = clocked, by: Any = decide) -> Any:
-                began = time.process_time()
-                chosen = by(now)
-                to.append(time.process_time() - began)
-                return chosen
+            def timed_leg(now: Situation, by: Learned = flies, to: list[float] = spent) -> Any:
+                to.append(least_ms(lambda: by._best_scored(now)))
+                return Learned.next_leg(by, now)
 
             flies.next_leg = timed_leg  # type: ignore[method-assign]
             world = DrawnWorld(facts.instance, Uncertainty(), 0)
             prize = rehearsed(facts, world, flies, (0,)).prize
             if number >= 0:
                 prizes.append(prize)
-                spent += clocked
-        middle, most = 1e3 * np.quantile(spent, (0.5, 0.9))
-        row(count, fields, interval(prizes), f"{middle:.2f}", f"{most:.2f}")
+            else:
+                spent.clear()
+        line(count, "on demand", prizes, spent)
 
 
 FLOWN_SEED = 7_001_000
