@@ -4,10 +4,11 @@ python bench/learning.py environment --slots 32 --runs 5 --steps 40
 python bench/learning.py worlds --slots 16 --counts 256
 python bench/learning.py policy nominal reduced-time ppo ppo:decode=beam@1 auto@1 --count 20
 python bench/learning.py curve
-python bench/learning.py evaluated --fields 50 --budget 16
+python bench/learning.py evaluated --fields 50 --budget 16 --beams 10 30
 python bench/learning.py decisions --targets 50 500 5000
 python bench/learning.py flown --width 64
-python bench/learning.py bounds --block test --fields 24 > adr_opt/learning/weights/splits.json
+python bench/learning.py ablation --seeds 1
+python bench/learning.py bounds --block test --fields 12
 """
 
 from __future__ import annotations
@@ -15,11 +16,15 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 from statistics import fmean, median, stdev
+from tempfile import TemporaryDirectory
 from typing import Any, cast
 
 import numpy as np
@@ -31,18 +36,20 @@ from scipy.stats import t
 from tables import experiment, head, row, timed
 
 import adr_opt
+import adr_opt.learning
 from adr_opt.analysis.rehearse.flight import Situation, rehearsed
 from adr_opt.analysis.rehearse.intended import Intended, intended
 from adr_opt.analysis.rehearse.learned import Learned
 from adr_opt.analysis.rehearse.mission_facts import MissionFacts
+from adr_opt.common.files import write_text
 from adr_opt.kernels.episodes import episodes as episode_kernels
 from adr_opt.kernels.episodes.choices import COST, SAFE
 from adr_opt.kernels.episodes.episodes import Episodes, StackedFields
 from adr_opt.learning.decoding import Field
 from adr_opt.learning.environment import OBSERVATIONS, TROUBLED, TROUBLES, MissionEnv, MissionVecEnv
 from adr_opt.learning.episodes import Board
-from adr_opt.learning.evaluation import evaluate, splits
-from adr_opt.learning.held import FAMILIES as HELD_FAMILIES
+from adr_opt.learning.evaluation import digest, evaluate, splits
+from adr_opt.learning.held import HeldFields
 from adr_opt.learning.policy import SHIPPED, load_policy
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.uncertainty import Uncertainty
@@ -260,11 +267,16 @@ def curve(file: str = SHIPPED) -> None:
 
 
 def evaluated(
-    file: str = SHIPPED, split: str = "test", budget: int = 1, fields: int | None = None
+    file: str = SHIPPED,
+    split: str = "test",
+    budget: int = 1,
+    fields: int | None = None,
+    beams: tuple[int, ...] = (),
 ) -> None:
-    """What a policy collects on a block of fields, beside what is proven of them."""
-    head("family", "fields", "visits", "gap", "share optimal")
-    found = evaluate(file, split=split, budget=budget, fields=fields)
+    """What a policy collects on a block of fields, beside what is proven of them, and beams."""
+    leads = [f"lead over beam {width}, paired" for width in beams]
+    head("family", "fields", "visits", "gap", "share optimal", *leads, "ms a field")
+    found = evaluate(file, split=split, budget=budget, fields=fields, beams=beams)
     for family, of in found.items():
         known = int((~np.isnan(of.optima)).sum())
         row(
@@ -273,10 +285,12 @@ def evaluated(
             "{:.2f} ± {:.2f}".format(*of.mean),
             "{:.1%} ± {:.1%} ({} fields)".format(*of.gap, known) if known else "",
             f"{of.optimal:.0%}" if known else "",
+            *("{:+.2f} ± {:.2f}".format(*of.lead(w)) if of.beams else "" for w in beams),
+            f"{1e3 * of.seconds:.0f}, "
+            + ", ".join(f"{1e3 * each.seconds:.0f}" for each in of.beams.values()),
         )
-    of = found[family]
-    print(f"\nProcessor time of a field, all families: {1e3 * of.seconds:.0f} ms,")
-    print(f"of its timetable {1e3 * of.table_seconds:.0f} ms.")
+    tables = [f"{1e3 * of.table_seconds:.0f}" for of in found.values()]
+    print(f"\nProcessor time of a field; that of its timetable besides: {tables[0]} ms.")
 
 
 def decisions(targets: tuple[int, ...] = (50, 500, 5000), fields: int = 5) -> None:
@@ -374,21 +388,82 @@ def flown(fields: int = 20, worlds: int = 3, width: int = 0) -> None:
         row(name, fields, interval(found))
 
 
-def bounds(block: str = "test", fields: int = 24, limit: float = 60.0) -> None:
-    """The file of blocks of fields, with bounds of the exact method for the first ones of one."""
-    blocks = splits()
-    for family in HELD_FAMILIES:
-        known = blocks["blocks"][block]["bounds"].setdefault(family, {})
-        for number in range(
-            blocks["blocks"][block]["first"], blocks["blocks"][block]["first"] + fields
-        ):
+FRESH_SEED = 8_100_000
+"""First seed of the fields of :func:`ablation`."""
+
+
+def ablation(steps: int = 65_536, seeds: int = 1, fields: int = 50) -> None:
+    """What rate, observation and sharing of weights are worth at equal steps on nominal fields."""
+    from adr_opt.learning.training.configs import POLICY, PUBLISHED_CONFIG
+    from adr_opt.learning.training.trainer import train
+
+    ours = replace(POLICY, fields=PUBLISHED_CONFIG.fields, models=(), steps=steps, slots=48)
+    flat = replace(ours, network=PUBLISHED_CONFIG.network)
+    slow, absolute = {"rate": PUBLISHED_CONFIG.rate}, {"observation": "published"}
+    arms = {
+        ("shared", "choices"): ours,
+        ("shared", "choices "): replace(ours, **slow),
+        ("none", "choices"): flat,
+        ("none", "absolute elements"): replace(flat, **absolute),
+        ("none", "absolute elements "): replace(flat, **absolute, **slow),
+        ("published, none", "absolute elements"): replace(PUBLISHED_CONFIG, steps=steps, slots=48),
+    }
+    head("weights of moves", "observation", "rate", "steps", "visits on fresh fields, by seed")
+    held = HeldFields(FRESH_SEED, fields)
+    for (sharing, seen), config in arms.items():
+        visits = []
+        for seed in range(1, 1 + seeds):
+            with TemporaryDirectory() as folder:
+                told: dict[str, float] = {}
+
+                def report(_: int, means: Mapping[str, float], to: Any = told) -> None:
+                    to.update(means)
+
+                train(config, Path(folder), seed=seed, report=report, held=held)
+                visits.append(f"{told['nominal']:.2f}")
+        row(sharing, seen.strip(), f"{config.rate:g}", steps, ", ".join(visits))
+
+
+def bounds(block: str = "test", fields: int = 12, limit: float = 60.0) -> None:
+    """Write digests of a block, and bounds of the exact method for its first fields, to the splits.
+
+    What is known is kept, so that a call goes on where the one before ended.
+    """
+    file, blocks = Path(str(files(adr_opt.learning) / "weights" / "splits.json")), splits()
+    told = blocks["blocks"][block]
+
+    def keep() -> None:
+        text = json.dumps(blocks, indent=1)
+        write_text(file, re.sub(r"\[\s+([\d.]+),\s+([\d.]+)\s+\]", r"[\1, \2]", text) + "\n")
+
+    if not told.setdefault("digests", []):
+        for first in range(told["first"], told["first"] + told["fields"], told["each"]):
+            told["digests"].append(digest(first, told["each"]))
+        keep()
+    for family in ("reduced-time", "reduced-fuel", "nominal"):
+        known = told["bounds"].setdefault(family, {})
+        for number in range(told["first"], told["first"] + fields):
             if str(number) not in known:
                 found = adr_opt.solve(adr_opt.generate(family, number), "exact", time_limit=limit)
                 known[str(number)] = [found.objective, found.upper_bound]
-    print(json.dumps(blocks, indent=1))
+                keep()
+    head("family", "fields", "proven")
+    for family, known in told["bounds"].items():
+        row(family, len(known), sum(best == bound for best, bound in known.values()))
 
 
 if __name__ == "__main__":
     sys.exit(
-        experiment(__doc__, environment, worlds, policy, curve, evaluated, decisions, flown, bounds)
+        experiment(
+            __doc__,
+            environment,
+            worlds,
+            policy,
+            curve,
+            evaluated,
+            decisions,
+            flown,
+            ablation,
+            bounds,
+        )
     )

@@ -16,7 +16,7 @@ from ...problem.uncertainty import (
     Uncertainty,
 )
 from ..environment.fields import BRIEF, FULL, LEAN, PUBLISHED, VARIED, Fields
-from ..environment.variants import TROUBLED
+from ..episodes.worlds import TROUBLED
 
 TRAINED = replace(
     VARIED,
@@ -50,7 +50,6 @@ class Config:
     ----------
     name : str
     observation : {"choices", "published"}
-        Of the set network, and of Stable-Baselines3's multilayer perceptron.
     fields : Fields
     models : tuple of Uncertainty
         Of the worlds of missions; known ones if there is none.
@@ -67,7 +66,8 @@ class Config:
     reward_scale : float
         Factor of the rewards while training.
     network : dict
-        Options of the network.
+        Options of the set network, or with ``net_arch`` of Stable-Baselines3's multilayer
+        perceptron.
 
     Raises
     ------
@@ -114,7 +114,7 @@ POLICY = Config(
     observation="choices",
     fields=TRAINED,
     models=MODELS,
-    steps=5_000_000,
+    steps=2_000_000,
     missions=256,
     rollout=64,
     batch=1024,
