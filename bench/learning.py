@@ -7,6 +7,7 @@ python bench/learning.py curve
 python bench/learning.py evaluated --fields 50 --budget 16 --beams 10 30
 python bench/learning.py decisions --targets 50 500 5000
 python bench/learning.py flown --width 64
+python bench/learning.py prior --fields 20
 python bench/learning.py ablation --seeds 1
 python bench/learning.py bounds --block test --fields 12
 """
@@ -32,7 +33,7 @@ import numpy.typing as npt
 from fields import best_known, ready
 from gymnasium.spaces import Discrete
 from planners import solved
-from scipy.stats import t
+from scipy.stats import t, wilcoxon
 from tables import experiment, head, row, timed
 
 import adr_opt
@@ -49,6 +50,7 @@ from adr_opt.learning.decoding import Field
 from adr_opt.learning.environment import OBSERVATIONS, TROUBLED, TROUBLES, MissionEnv, MissionVecEnv
 from adr_opt.learning.episodes import Board
 from adr_opt.learning.evaluation import digest, evaluate, splits
+from adr_opt.learning.held import FAMILIES as HELD_FAMILIES
 from adr_opt.learning.held import HeldFields
 from adr_opt.learning.policy import SHIPPED, load_policy
 from adr_opt.mission.mission import Mission
@@ -388,6 +390,53 @@ def flown(fields: int = 20, worlds: int = 3, width: int = 0) -> None:
         row(name, fields, interval(found))
 
 
+def prior(
+    *what: str,
+    first: int = 8_200_000,
+    fields: int = 20,
+    beams: tuple[int, ...] = (30, 300, 1000, 3000),
+    guided: tuple[int, ...] = (10, 30),
+    worth: float = 0.05,
+) -> None:
+    """Beams with the policy as prior beside the plain beam that takes as long, or a little longer.
+
+    Families. Leads are paired by field; p by Wilcoxon's test, times the number of all comparisons.
+    """
+    families = what or HELD_FAMILIES
+    head("family", "beam", "visits", "ms", "plain beam", "visits", "ms", "lead", "p, corrected")
+    for family in families:
+        visits: dict[tuple[str, int], list[float]] = {}
+        spent: dict[tuple[str, int], list[float]] = {}
+        for number in range(-1, fields):  # the first one loads kernels
+            mission = Mission(adr_opt.generate(family, first + number), threads=1)
+            adr_opt.solve(mission, "beam", width=1, time_limit=math.inf)
+            for name in (*(("plain", w) for w in beams), *(("guided", w) for w in guided)):
+                more = {"policy": SHIPPED, "prior_weight": worth} if name[0] == "guided" else {}
+                began = time.process_time()
+                made = adr_opt.solve(mission, "beam", width=name[1], time_limit=math.inf, **more)
+                if number >= 0:
+                    spent.setdefault(name, []).append(time.process_time() - began)
+                    visits.setdefault(name, []).append(made.objective)
+        for width in guided:
+            own = fmean(spent["guided", width])
+            rivals = [w for w in beams if fmean(spent["plain", w]) >= own] or [beams[-1]]
+            rival = min(rivals)
+            mine, theirs = visits["guided", width], visits["plain", rival]
+            lead = [a - b for a, b in zip(mine, theirs, strict=True)]
+            p = wilcoxon(lead).pvalue if any(lead) else 1.0
+            row(
+                family,
+                f"guided, {width}",
+                interval(mine),
+                f"{1e3 * own:.0f}",
+                rival,
+                interval(theirs),
+                f"{1e3 * fmean(spent['plain', rival]):.0f}",
+                interval(lead),
+                f"{min(1.0, p * len(guided) * len(families)):.2g}",
+            )
+
+
 FRESH_SEED = 8_100_000
 """First seed of the fields of :func:`ablation`."""
 
@@ -463,6 +512,7 @@ if __name__ == "__main__":
             evaluated,
             decisions,
             flown,
+            prior,
             ablation,
             bounds,
         )
