@@ -8,6 +8,8 @@ python bench/learning.py evaluated --fields 50 --budget 16 --beams 10 30
 python bench/learning.py decisions --targets 50 500 5000
 python bench/learning.py flown --width 64
 python bench/learning.py prior --fields 20
+python bench/learning.py rivals
+python bench/learning.py offline --out offline.npz
 python bench/learning.py ablation --seeds 1
 python bench/learning.py bounds --block test --fields 12
 """
@@ -437,6 +439,65 @@ def prior(
             )
 
 
+RIVALS = Path(__file__).parent / "curves" / "rivals.csv"
+"""What :func:`rivals` writes, and docs/draw_tasks.py draws."""
+
+
+def rivals(fields: int = 20, width: int = 30, file: Path = RIVALS) -> None:
+    """Mean visits of planners on the first fields of the sealed block, and proven optima there."""
+    told = splits()["blocks"]["test"]
+    lines = ["family,what,visits"]
+    for family in HELD_FAMILIES:
+        for method, more in (("greedy-guarded", {}), ("beam", {"width": width})):
+            visits = [
+                adr_opt.solve(
+                    adr_opt.generate(family, told["first"] + at),
+                    method,
+                    time_limit=math.inf,
+                    **more,
+                ).objective
+                for at in range(fields)
+            ]
+            lines.append(f"{family},{method},{fmean(visits):.3f}")
+        best = [bound for least, bound in told["bounds"][family].values() if least == bound]
+        lines.append(f"{family},proven,{fmean(best):.3f}")
+    write_text(file, "\n".join(lines) + "\n")
+
+
+def offline(out: str = "offline.npz", fields: int = 12, limit: float = 60.0) -> None:
+    """States, actions, and optimum to go of proven optimal plans, for learning without play.
+
+    Seeds from 1,000,000 on, those of training. Plans that need another schedule than the moves of
+    the environment have are left out.
+    """
+    parts: dict[str, list[Any]] = {name: [] for name in ("moves", "mission", "action", "to_go")}
+    made = 0
+    for family, number in ((f, 1_000_000 + at) for f in HELD_FAMILIES for at in range(fields)):
+        mission = Mission(adr_opt.generate(family, number))
+        found = adr_opt.solve(mission, "exact", time_limit=limit)
+        if found.plan is None or found.objective != found.upper_bound:
+            continue
+        field, states = Field(mission, load_policy()), []
+        episodes, rewards = field.begin(1), np.zeros(1, dtype=np.float32)
+        names = {name: body for body, name in enumerate(mission.names)}
+        for leg in found.plan.legs:
+            board = field.judged(episodes)[1]
+            action = episode_kernels.action_of(names[leg.destination], field.targets)
+            if not board.mask[0, action]:
+                break
+            seen, left = board.choices, found.objective - float(episodes.collected[0])
+            states.append((seen.moves[0].copy(), seen.mission[0].copy(), action, left))
+            episode_kernels.act(field.pool.arrays, episodes, 0, 1, np.array([action]), rewards)
+        else:
+            made += 1
+            for name, column in zip(parts, zip(*states, strict=True), strict=True):
+                parts[name] += column
+    card = {"fields": made, "tried": fields * len(HELD_FAMILIES), "method": "exact", "limit": limit}
+    arrays = {name: np.array(part) for name, part in parts.items()}
+    np.savez_compressed(out, card=np.frombuffer(json.dumps(card).encode(), np.uint8), **arrays)
+    print(f"{out}: {made} fields of {card['tried']}, {len(arrays['action'])} states")
+
+
 FRESH_SEED = 8_100_000
 """First seed of the fields of :func:`ablation`."""
 
@@ -513,6 +574,8 @@ if __name__ == "__main__":
             decisions,
             flown,
             prior,
+            rivals,
+            offline,
             ablation,
             bounds,
         )
