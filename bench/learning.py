@@ -51,6 +51,7 @@ from adr_opt.kernels.episodes.choices import COST, SAFE
 from adr_opt.kernels.episodes.episodes import Episodes, StackedFields
 from adr_opt.learning.decoding import Field
 from adr_opt.learning.environment import OBSERVATIONS, TROUBLED, TROUBLES, MissionEnv, MissionVecEnv
+from adr_opt.learning.environment.fields import FIRST_SEED
 from adr_opt.learning.episodes import Board
 from adr_opt.learning.evaluation import digest, evaluate, splits
 from adr_opt.learning.held import FAMILIES as HELD_FAMILIES
@@ -483,12 +484,12 @@ def rivals(fields: int = 20, width: int = 30, file: Path = RIVALS) -> None:
 def offline(out: str = "offline.npz", fields: int = 12, limit: float = 60.0) -> None:
     """States, actions, and optimum to go of proven optimal plans, for learning without play.
 
-    Seeds from 1,000,000 on, those of training. Plans that need another schedule than the moves of
+    Seeds are those of training. Plans that need another schedule than the moves of
     the environment have are left out.
     """
     parts: dict[str, list[Any]] = {name: [] for name in ("moves", "mission", "action", "to_go")}
     made = 0
-    for family, number in ((f, 1_000_000 + at) for f in HELD_FAMILIES for at in range(fields)):
+    for family, number in ((f, FIRST_SEED + at) for f in HELD_FAMILIES for at in range(fields)):
         mission = Mission(adr_opt.generate(family, number))
         found = adr_opt.solve(mission, "exact", time_limit=limit)
         if found.plan is None or found.objective != found.upper_bound:
