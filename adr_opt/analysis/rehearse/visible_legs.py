@@ -218,10 +218,10 @@ class VisibleLegs:
                 from_source(source, bodies, ready, there, delta_v, arrival)
             else:
                 delta_v[:] = arrival[:] = np.inf
-                for at, choice in enumerate(legal.tolist()):
-                    j = int(choices.bodies[choice])
-                    ready, towed = float(choices.end[choice]), bool(self._towed[j])
-                    hop = facts.best(j, s, ready, towed=towed)
+                for at, (j, since_s) in enumerate(
+                    zip(bodies.tolist(), ready.tolist(), strict=True)
+                ):
+                    hop = facts.best(j, s, since_s, towed=bool(self._towed[j]))
                     if hop is not None:
                         delta_v[at], arrival[at] = hop.delta_v, hop.arrival
             nearer = delta_v < back
