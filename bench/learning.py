@@ -553,7 +553,8 @@ def ablation(steps: int = 65_536, seeds: int = 1, fields: int = 50) -> None:
 def bounds(*families: str, block: str = "test", fields: int = 12, limit: float = 60.0) -> None:
     """Write digests of a block, and bounds of the exact method for its first fields, to the splits.
 
-    Families; without any digests alone. What is known is kept, so that a call goes on where the one before ended.
+    Families; without any digests alone. What is known is kept, so that a call goes on where the one
+    before ended.
     """
     file, blocks = Path(str(files(adr_opt.learning) / "weights" / "splits.json")), splits()
     told = blocks["blocks"][block]

@@ -196,8 +196,8 @@ def _rivals(family: str, seeds: list[int], widths: Sequence[int]) -> dict[int, R
         mission = Mission(generate(family, seed), threads=1)
         _ = mission.timetable
         table += time.process_time() - began
-        if not at:  # what a mission makes once is no part of a beam
-            solve(mission, "beam", width=widths[0], time_limit=math.inf)
+        # What a mission makes once is no part of a beam.
+        solve(mission, "beam", width=1, time_limit=math.inf)
         for width in widths:
             began = time.process_time()
             visits[width][at] = solve(mission, "beam", width=width, time_limit=math.inf).objective
