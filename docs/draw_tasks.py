@@ -294,11 +294,11 @@ def policy_curve(files: Path) -> Any:
         levels = {"untrained": untrained} | {
             row["what"]: float(row["visits"]) for row in rivals if row["family"] == family
         }
-        for (name, level), dashes in zip(levels.items(), (":", "-.", "--", "-"), strict=True):
+        for (name, level), dashes in zip(levels.items(), (":", "-.", "--", "-"), strict=False):
             ax.axhline(level, color=INK, lw=1.0, ls=dashes, label=name)
         ax.set(xscale="log", xlabel="steps", title=family, ylim=(0.0, 1.05 * max(levels.values())))
     axes[0].set_ylabel("visits")
-    figure.legend(*axes[0].get_legend_handles_labels(), ncols=3, loc="lower center")
+    figure.legend(*axes[-1].get_legend_handles_labels(), ncols=3, loc="lower center")
     figure.tight_layout(rect=(0.0, 0.18, 1.0, 1.0))
     return figure
 
