@@ -158,3 +158,10 @@ def test_the_committed_instances_are_what_their_names_say() -> None:
         family, _, seed = file.stem.rpartition("-")
         assert file.parent.name == family
         assert file.read_bytes() == generate(family, int(seed)).to_json().encode(), file.name
+
+
+def test_every_page_says_for_whom_it_is() -> None:
+    """The first words below the heading of a page are its readers, or what the reader has."""
+    for path in sorted((ROOT / "docs").rglob("*.md")):
+        below = path.read_text(encoding="utf-8").split("\n", 3)[2]
+        assert below.startswith(("*For ", "**You have** ")), path.name
