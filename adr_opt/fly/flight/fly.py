@@ -110,7 +110,8 @@ def _led(
         state = motion.coast(state, leg.leaves_s - now)
         if row is None or not ephemeris.eccentricity_at(row, ephemeris.EPOCH_S):
             return state
-        return ephemeris.state_at(row, leg.leaves_s)
+        true: State = ephemeris.state_at(row, leg.leaves_s)
+        return true
     except ArithmeticError as error:
         raise InputError(
             f"leg {number}: the tow before it cannot be flown: {error}; correct its burns"

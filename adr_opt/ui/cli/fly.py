@@ -73,7 +73,7 @@ def command(
     from .fly_refined import fly_and_tell
 
     check_out(out, instance_path)  # the plan itself may be written again, with a note more
-    forces = Asked(*(asked.pop(name) for name in Asked._fields))
+    forces = param.taken(Asked, asked)
     sampling = Sampling(**asked)
     forces.refuse_stray(sampling.samples)
     sampling.refuse_stray()
