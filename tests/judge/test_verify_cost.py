@@ -170,7 +170,7 @@ def test_whatever_is_changed_what_is_accepted_is_true(seed):
 
 
 @over_kinds(
-    "draw, seeds", two_body=(random_mission, range(40), 8), j2=(drifting_mission, range(30), 3)
+    "draw, seeds", two_body=(random_mission, range(40), 12), j2=(drifting_mission, range(30), 3)
 )
 def test_whatever_is_changed_of_campaigns_what_is_accepted_is_true(draw, seeds):
     """No forged cost of several chasers is accepted that a plan of so much prize undercuts."""
