@@ -148,8 +148,8 @@ def within_limits(
     Parameters
     ----------
     candidates : list of ElementSet
-    elements : (n, 6) float64
-        Of the candidates at the epoch; NaN where SGP4 failed.
+    elements : (object, element) float64
+        Columns of :data:`~.propagation.ELEMENTS`; rows of NaN where SGP4 fails.
     filters : Filters
     dropped : list of Dropped
         Appended to, with the reason.
