@@ -332,8 +332,9 @@ def test_names_are_text_in_charts(hostile) -> None:
 
     def collect(value: object) -> None:
         if isinstance(value, dict):
-            for item in value.values():
-                collect(item)
+            for key, item in value.items():
+                if key != "ids":  # what a click leads to is compared, and never drawn
+                    collect(item)
         elif isinstance(value, list):
             for item in value:
                 collect(item)
