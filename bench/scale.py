@@ -25,6 +25,7 @@ from tables import alone, experiment, head, row, timed, times_s
 
 import adr_opt
 from adr_opt.common.clock import count_processor_time, now_s
+from adr_opt.common.errors import InputError
 from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import MaxIterations
@@ -240,7 +241,11 @@ def limits(
                 continue
             cells = []
             for limit_s in limit:
-                found = alone(_within, kind, count, fleet, method, limit_s, seed, processor)
+                try:
+                    found = alone(_within, kind, count, fleet, method, limit_s, seed, processor)
+                except InputError:  # too large a field for it
+                    cells.append("refused")
+                    continue
                 cells.append(
                     f"{found['took_s']:.2f}, {found['first_s']:.2f}, {found['prizes']:g}"
                     + " late" * (found["took_s"] > 1.2 * limit_s + 0.5)
