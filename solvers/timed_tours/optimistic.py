@@ -32,11 +32,12 @@ FloatArray = npt.NDArray[np.float64]
 EARLIER_S = 2.0 * SLACK_S
 """So much earlier a point counts: who is ready a slack after a departure still takes it [s]."""
 
-STEP, MOST_POINTS = 0.5, 400
-"""Spacing of the first points of a body in shortest legs from it, and their number at most."""
+POINTS, FIRST_ROWS, MOST_ROWS = 400, 1_000_000, 4_000_000
+"""First points in the whole duration, if all pairs have no more connections than that together, and
+the most that they may have later."""
 
-MOST_ROWS = 3_000_000
-"""Most connections of all pairs together."""
+SHARE = 0.5
+"""Share of a leg between points where the first ones are farther apart than it takes."""
 
 
 class OptimisticLegs:
@@ -63,23 +64,24 @@ class OptimisticLegs:
         self._ready = [mission.rules.ready for mission in problem.missions]
         listed = {number[given.names[at]] for at in np.unique(given.destination)}
         entered = listed | {j for _, j in self._functions}
+        spans = {i: self._span(i) for i, _ in self._functions if i in entered}
+        rows = sum(max(spans[i][1] - spans[i][0], 0.0) for i, _ in self._functions if i in spans)
+        step = max(self._limits.duration / POINTS, rows / FIRST_ROWS)
         self._points = {
-            i: self._first_points(i, i in entered) for i in {i for i, _ in self._functions}
+            i: np.unique([*self._ready, *np.arange(*spans.get(i, (0.0, 0.0)), step)])
+            for i, _ in self._functions
         }
 
-    def _first_points(self, body: int, entered: bool) -> FloatArray:
-        """Ready times at a body, so dense that no leg from it is shorter than what is between."""
-        known = np.array(self._ready)
-        if not entered:
-            return np.unique(known)
-        mine = [function for (i, _), function in self._functions.items() if i == body]
-        windows, service = self._limits.windows, self._limits.service[body]
-        begin = max(float(windows.opening[body]) + service, 0.0)
-        end = max(float(function.departure[-1]) for function in mine)
-        end = min(end, float(windows.closing[body]) + service)
-        step = STEP * min(float((each.arrival - each.departure).min()) for each in mine)
-        step = max(step, (end - begin) / MOST_POINTS)
-        return np.unique([*known, begin, *np.arange(begin + step, end, step)])
+    def _span(self, body: int) -> tuple[float, float]:
+        """First and last ready time at a body from which a leg leaves [s]."""
+        windows, service = self._limits.windows, float(self._limits.service[body])
+        last = max(
+            float(each.departure[-1]) for (i, _), each in self._functions.items() if i == body
+        )
+        return (
+            max(float(windows.opening[body]) + service, 0.0),
+            min(float(windows.closing[body]) + service, last),
+        )
 
     def instance(self) -> Instance | None:
         """The instance on connections; None if there would be too many."""
@@ -114,7 +116,7 @@ class OptimisticLegs:
             short = np.flatnonzero(there & (lands - leaves < LEAST_S))
             if not short.size:
                 break
-            half = points[short] + STEP * (lands[short] - points[short] - LEAST_S)
+            half = points[short] + SHARE * (lands[short] - points[short] - LEAST_S)
             finer = np.union1d(points, half)
             if finer.size == points.size:
                 return None
