@@ -72,5 +72,5 @@ def best_route(instance: Instance) -> tuple[float, float]:
                 rest = chaser.tank.delta_v_m_s if is_station else left - delta_v
                 go_on(there, end, rest, cost + delta_v, done if is_station else done | {there})
 
-    go_on(chaser.start.station, 0.0, chaser.tank.delta_v_m_s, 0.0, frozenset())
+    go_on(chaser.start.station, chaser.available_s[0], chaser.tank.delta_v_m_s, 0.0, frozenset())
     return best[0], -best[1]

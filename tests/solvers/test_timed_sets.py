@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 from seeds import over_seeds
 from timed_enumeration import best_route
-from timed_fields import captured_timed, timed_mission
+from timed_fields import alone, captured_timed, timed_mission, two_chasers
 
 import adr_opt
 from adr_opt.mission.certify import certificate_of
@@ -39,6 +40,25 @@ def _compare(instance: adr_opt.Instance, method: str) -> adr_opt.Result:
 def test_routes_are_those_of_enumeration(seed: int) -> None:
     """Prizes, cost and both proofs are those of all orders, with rules on and off."""
     _compare(timed_mission(seed), "exact" if seed % 2 else "auto")
+
+
+@over_seeds(range(2000), gate=3)
+def test_two_chasers_are_those_of_enumeration(seed: int) -> None:
+    """Of two chasers prizes and least ΔV are the best of all ways to deal out the targets."""
+    instance = two_chasers(seed)
+    best = (-math.inf, -math.inf)
+    for dealt in itertools.product((0, 1), repeat=len(instance.targets)):
+        found = [best_route(alone(instance, chaser, dealt)) for chaser in (0, 1)]
+        best = max(best, (sum(one[0] for one in found), -sum(one[1] for one in found)))
+    result = adr_opt.solve(instance, "exact", time_limit=1000.0)
+    if best[0] == -math.inf:
+        assert result.status == "infeasible"
+        return
+    assert result.status == "optimal"
+    assert adr_opt.check(instance, result.plan) == ()
+    assert result.objective == pytest.approx(best[0])
+    assert result.plan.cost == pytest.approx(-best[1], abs=1e-5)
+    assert result.plan.cost_bound <= -best[1] + 1e-5
 
 
 @over_seeds(range(200), gate=6)
