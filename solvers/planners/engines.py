@@ -76,9 +76,9 @@ ENGINES = (
         "the route engine: ruin and recreate in continuous time",
         dict.fromkeys(
             ("auto", "exact"),
-            "prizes, then the cost: the two rows below, on optimistic connections that are refined; "
-            "before that, of one chaser and up to 57 targets, the least end of a tour of all: the "
-            "earliest time of each set and place",
+            "of one chaser, the least end of a tour of all targets: the earliest time of each set "
+            "and place; else prizes, then the cost: as the last rows, on optimistic connections, "
+            "refined by their plans",
         ),
         dict.fromkeys(("auto", "exact"), timed_routes.plan),
     ),

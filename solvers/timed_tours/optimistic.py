@@ -47,6 +47,11 @@ class OptimisticLegs:
     ----------
     problem : Problem
         With functions of time.
+
+    Attributes
+    ----------
+    points : dict of int to array
+        Ready times at each body with functions, ascending [s].
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -67,7 +72,7 @@ class OptimisticLegs:
         spans = {i: self._span(i) for i, _ in self._functions if i in entered}
         rows = sum(max(spans[i][1] - spans[i][0], 0.0) for i, _ in self._functions if i in spans)
         step = max(self._limits.duration / POINTS, rows / FIRST_ROWS)
-        self._points = {
+        self.points = {
             i: np.unique([*self._ready, *np.arange(*spans.get(i, (0.0, 0.0)), step)])
             for i, _ in self._functions
         }
@@ -106,7 +111,7 @@ class OptimisticLegs:
         self, i: int, j: int, function: Function, most: int
     ) -> tuple[FloatArray, FloatArray] | None:
         """Departures and arrivals of a pair; None if there would be more than a number."""
-        points, last = self._points[i], float(function.departure[-1])
+        points, last = self.points[i], float(function.departure[-1])
         while True:
             _, lands = legs_of(function.departure, function.arrival, points - EARLIER_S)
             leaves = np.minimum(np.append(points[1:] - EARLIER_S, last), last)
@@ -139,9 +144,9 @@ class OptimisticLegs:
                 i, j = number[leg.origin], number[leg.destination]
                 function, lands = self._functions.get((i, j)), np.array([leg.arrival_s])
                 if function is not None:
-                    finer = np.union1d(self._points[i], [now])
-                    new = new or finer.size > self._points[i].size
-                    self._points[i] = finer
+                    finer = np.union1d(self.points[i], [now])
+                    new = new or finer.size > self.points[i].size
+                    self.points[i] = finer
                     _, lands = legs_of(
                         function.departure, function.arrival, np.array([now - EARLIER_S])
                     )

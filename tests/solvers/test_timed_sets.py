@@ -12,10 +12,14 @@ from timed_enumeration import best_route
 from timed_fields import alone, captured_timed, timed_mission, two_chasers
 
 import adr_opt
+from adr_opt.mission.certified import certify
 from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from solvers.timed_tours.earliest_end import EarliestEnd
 from solvers.timed_tours.layers import LayerSearch, windows_of
 from solvers.timed_tours.memories import memories_of
+from solvers.timed_tours.optimistic import OptimisticLegs
 from solvers.timed_tours.relaxation import bound_units, narrowed, relaxed, steps_of, whole_bands
 from solvers.timed_tours.tour import deadlines, end_of, last_end, sequence_of, tour_of
 
@@ -72,6 +76,26 @@ def test_windows_are_those_of_enumeration(seed: int) -> None:
     """With several windows of each target the same holds of routes and of tours."""
     instance = captured_timed(seed, all_required=seed % 3 == 0)
     _compare(instance, "exact" if seed % 2 else "auto")
+
+
+@over_seeds(range(300), gate=4)
+def test_optimistic_legs_are_no_later(seed: int) -> None:
+    """On them each route ends no later than in truth, and as late once its times are points."""
+    instance = timed_mission(seed, all_required=True)
+    mission, legs = adr_opt.Mission(instance), OptimisticLegs(Problem(instance))
+    for body, points in legs.points.items():
+        legs.points[body] = points[:: 1 + seed % 100]
+    targets = range(mission.rules.first_target, len(mission.names))
+    for order in itertools.islice(itertools.permutations(targets), 6):
+        route = mission.closed(order)
+        truth, coarse = mission.time(route), Mission(legs.instance())
+        optimistic = coarse.time(route)
+        assert optimistic.made >= truth.made
+        if truth.made == len(route):
+            assert optimistic.cost <= truth.cost
+            legs.refine(certify(coarse, "by hand", route, seed=0, runtime_s=0.0).plan)
+            found = Mission(legs.instance()).time(route).cost
+            assert found == pytest.approx(truth.cost, abs=1e-4)
 
 
 @over_seeds(range(100), gate=3)
