@@ -100,7 +100,10 @@ def test_optimistic_legs_are_no_later(seed: int) -> None:
 
 @over_seeds(range(100), gate=3)
 def test_relaxed_tours_end_no_later(seed: int) -> None:
-    """For any multipliers, steps and memories the relaxation is no more than the best tour."""
+    """For any multipliers, steps and memories the relaxation is no more than the best tour.
+
+    However many words the sets take.
+    """
     instance = timed_mission(seed, all_required=True)
     prizes, least = best_route(instance)
     tour = tour_of(adr_opt.Mission(instance))
@@ -116,7 +119,8 @@ def test_relaxed_tours_end_no_later(seed: int) -> None:
     most = math.floor((least + 1e-6 - tour.ready) / steps.unit)
     finer = steps_of(tour, until, 2 * count)
     narrow = relaxed(finer, memories, narrowed(found, most, 2), multipliers, 1)
-    search = LayerSearch(tour, narrow, windows_of(deadlines(tour, until)), lambda: False)
+    windows = windows_of(deadlines(tour, until), bits=1 + seed % 4)
+    search = LayerSearch(tour, narrow, windows, lambda: False)
     outcome = search.search(most, 10**6)
     assert outcome.whole
     assert outcome.end_s == pytest.approx(least, abs=1e-6)

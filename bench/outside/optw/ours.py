@@ -121,11 +121,10 @@ def plan(places: Places, travel: FloatArray, time_limit_s: float, *, jobs: int =
     result, _, spent = timed(
         lambda: adr_opt.solve(instance, "auto", time_limit=time_limit_s, jobs=jobs)
     )
-    assert result.plan is not None
-    assert adr_opt.check(instance, result.plan) == ()
+    assert result.plan is None or adr_opt.check(instance, result.plan) == ()
     tour = tuple(
         int(leg.destination.removeprefix("place-"))
-        for leg in result.plan.legs
+        for leg in (result.plan.legs if result.plan else ())
         if leg.destination != "end"
     )
     refined = int(result.counters["refined"])
