@@ -51,7 +51,7 @@ def plan(
     start: Iterable[Iterable[int]] | None,
     options: ProofOptions,
 ) -> Result:
-    """The best plan so far and, of one chaser, its proof: both of the prizes and of the cost.
+    """The best plan so far and its proof: both of the prizes and of the cost.
 
     A tour of all targets that ends first is a question of its own, asked first where it may be the
     answer (:mod:`..timed_tours.earliest_end`).
@@ -83,7 +83,7 @@ def plan(
     return certificate.result(
         method,
         seed=seed,
-        counters={"labels": proof.labels, "refined": proof.refined, **searching.counters},
+        counters={"labels": proof.labels, "optimistic": proof.asked, **searching.counters},
         cost_bound=None if cost_bound is None else min(cost_bound, certificate.cost),
         upper_bound=certificate.stated,
         otherwise=tuple(() for _ in problem.missions),
@@ -102,8 +102,8 @@ class _Proof:
     cost_bound : float or None
         What no plan worth as much as the best one costs less than, if anything is known.
     labels : int
-    refined : int
-        How many optimistic plans turned out to be none.
+    asked : int
+        How many optimistic missions were planned.
     """
 
     def __init__(
@@ -116,7 +116,7 @@ class _Proof:
     ) -> None:
         self._problem, self._certificate, self._stop = problem, certificate, stop
         self._seed, self._options = seed, options
-        self.answered, self.complete, self.labels, self.refined = False, False, 0, 0
+        self.answered, self.complete, self.labels, self.asked = False, False, 0, 0
         self.cost_bound: float | None = None
 
     def _over(self) -> bool:
@@ -155,6 +155,10 @@ class _Proof:
     def all_routes(self, share: float) -> None:
         """Prove prizes, then the cost, on optimistic connections refined by their plans."""
         problem, certificate = self._problem, self._certificate
+        # Worths that are offered, and services that take longer, are no part of an instance.
+        own = Problem(problem.instance).planning_prizes
+        if problem.connecting.corrections or not np.array_equal(own, problem.planning_prizes):
+            return
         legs, within = OptimisticLegs(problem), ShareOfTime(self._stop, share)
         options = ExactOptions(self._options.jobs, self._options.delta_v_slot_m_s)
         while within.remaining_s() > 0.0:
@@ -164,6 +168,7 @@ class _Proof:
             if instance is None:
                 return
             optimistic = Problem(instance, margin=problem.margin)
+            proven = certificate.proven
             engine = label_setting if optimistic.alone is not None else many_routes
             found = engine.plan(
                 "exact",
@@ -172,8 +177,10 @@ class _Proof:
                 stop=within,
                 progress=silent,
                 start=certificate.routes,
-                options=replace(options, cost=certificate.proven),
+                options=replace(options, cost=proven),
             )
+            self.asked += 1
+            self.labels += int(found.counters.get("labels", 0))
             certificate.lower(problem.worth(found.upper_bound))
             if found.plan is None:
                 self.complete = found.status == "infeasible"
@@ -185,7 +192,9 @@ class _Proof:
                 self.complete = is_least(certificate.cost, self.cost_bound)
             if self.complete:
                 return
-            asks = certificate.proven and least is None
-            if found.status != "optimal" or not (legs.refine(found.plan) or asks):
+            asks = certificate.proven and not proven
+            if found.status != "optimal":
                 return
-            self.refined += 1
+            if not (legs.refine(found.plan) or asks):
+                self.complete = certificate.proven  # but for rounding
+                return

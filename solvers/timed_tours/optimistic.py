@@ -29,8 +29,9 @@ from adr_opt.problem.instance import Instance
 
 FloatArray = npt.NDArray[np.float64]
 
-EARLIER_S = 2.0 * SLACK_S
-"""So much earlier a point counts: who is ready a slack after a departure still takes it [s]."""
+ROUNDED_S = SLACK_S / 16.0
+"""Connections leave so much before the next point, and a slack more, as who is ready that much
+later still takes them; who takes the next ones counts as ready at twice that before it [s]."""
 
 POINTS, FIRST_ROWS, MOST_ROWS = 400, 1_000_000, 4_000_000
 """First points in the whole duration, if all pairs have no more connections than that together, and
@@ -70,7 +71,7 @@ class OptimisticLegs:
         listed = {number[given.names[at]] for at in np.unique(given.destination)}
         entered = listed | {j for _, j in self._functions}
         spans = {i: self._span(i) for i, _ in self._functions if i in entered}
-        rows = sum(max(spans[i][1] - spans[i][0], 0.0) for i, _ in self._functions if i in spans)
+        rows = sum(spans[i][1] - spans[i][0] for i, _ in self._functions if i in spans)
         step = max(self._limits.duration / POINTS, rows / FIRST_ROWS)
         self.points = {
             i: np.unique([*self._ready, *np.arange(*spans.get(i, (0.0, 0.0)), step)])
@@ -83,10 +84,9 @@ class OptimisticLegs:
         last = max(
             float(each.departure[-1]) for (i, _), each in self._functions.items() if i == body
         )
-        return (
-            max(float(windows.opening[body]) + service, 0.0),
-            min(float(windows.closing[body]) + service, last),
-        )
+        begin = max(float(windows.opening[body]) + service, 0.0)
+        end = min(float(windows.closing[body]) + service, last)
+        return (begin, end) if begin < end else (0.0, 0.0)
 
     def instance(self) -> Instance | None:
         """The instance on connections; None if there would be too many."""
@@ -113,8 +113,8 @@ class OptimisticLegs:
         """Departures and arrivals of a pair; None if there would be more than a number."""
         points, last = self.points[i], float(function.departure[-1])
         while True:
-            _, lands = legs_of(function.departure, function.arrival, points - EARLIER_S)
-            leaves = np.minimum(np.append(points[1:] - EARLIER_S, last), last)
+            _, lands = legs_of(function.departure, function.arrival, points - 2.0 * ROUNDED_S)
+            leaves = np.append(points[1:] - SLACK_S - ROUNDED_S, last).clip(0.0, last)
             there = np.isfinite(lands)
             if int(there.sum()) > most:
                 return None
@@ -148,7 +148,7 @@ class OptimisticLegs:
                     new = new or finer.size > self.points[i].size
                     self.points[i] = finer
                     _, lands = legs_of(
-                        function.departure, function.arrival, np.array([now - EARLIER_S])
+                        function.departure, function.arrival, np.array([now - 2.0 * ROUNDED_S])
                     )
                 (now,) = service_ends(windows, j, lands, services[j]).tolist()
                 if not math.isfinite(now):

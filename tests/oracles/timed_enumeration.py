@@ -34,7 +34,7 @@ def best_route(instance: Instance) -> tuple[float, float]:
     best = (-math.inf, -math.inf)
 
     def legs(i: str, j: str, ready: float) -> list[tuple[float, float]]:
-        function = given.functions.of_pair(i, j)
+        function = given.functions and given.functions.of_pair(i, j)
         if function is not None:
             points = list(zip(function.departure.tolist(), function.arrival.tolist(), strict=True))
             return [(arrival_of(points, ready), function.cost)]

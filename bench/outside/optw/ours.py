@@ -40,8 +40,8 @@ class Ours(NamedTuple):
     score, bound : float
         Of the best tour, and what no tour exceeds.
     tour : tuple of int
-    refined : int
-        How many optimistic plans turned out to be no tours.
+    rounds : int
+        How many optimistic instances were planned.
     processor_s : float
         Of planning and proving.
     """
@@ -49,7 +49,7 @@ class Ours(NamedTuple):
     score: float
     bound: float
     tour: tuple[int, ...]
-    refined: int
+    rounds: int
     processor_s: float
 
 
@@ -127,8 +127,8 @@ def plan(places: Places, travel: FloatArray, time_limit_s: float, *, jobs: int =
         for leg in (result.plan.legs if result.plan else ())
         if leg.destination != "end"
     )
-    refined = int(result.counters["refined"])
-    return Ours(score(places, travel, tour).score, result.upper_bound, tour, refined, spent)
+    rounds = int(result.counters["optimistic"])
+    return Ours(score(places, travel, tour).score, result.upper_bound, tour, rounds, spent)
 
 
 def report(folder: Path, time_limit_s: float) -> None:
