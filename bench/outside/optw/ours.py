@@ -11,6 +11,7 @@ import numpy as np
 from tables import head, row, timed
 
 import adr_opt
+from adr_opt.common.clock import count_processor_time
 from adr_opt.problem.bodies import Station, Target
 from adr_opt.problem.chasers import AtStation, Chaser, Tank
 from adr_opt.problem.given import only
@@ -115,11 +116,11 @@ def instance_of(places: Places, travel: FloatArray) -> Instance:
     return made.with_given(only(of_breakpoints(_functions(places, travel), made.names)))
 
 
-def plan(places: Places, travel: FloatArray, time_limit_s: float, *, jobs: int = 0) -> Ours:
+def plan(places: Places, travel: FloatArray, time_limit_s: float) -> Ours:
     """Plan and prove a tour."""
     instance = instance_of(places, travel)
     result, _, spent = timed(
-        lambda: adr_opt.solve(instance, "auto", time_limit=time_limit_s, jobs=jobs)
+        lambda: adr_opt.solve(instance, "auto", time_limit=time_limit_s, jobs=1)
     )
     assert result.plan is None or adr_opt.check(instance, result.plan) == ()
     tour = tuple(
@@ -132,7 +133,8 @@ def plan(places: Places, travel: FloatArray, time_limit_s: float, *, jobs: int =
 
 
 def report(folder: Path, time_limit_s: float) -> None:
-    """Print the tables: static first, then time-dependent."""
+    """Print the tables: static first, then time-dependent; all times are of one processor."""
+    count_processor_time()
     files = instance_files(folder)
     published = read_optima(folder / "optima.csv")
     for varying in (False, True):
