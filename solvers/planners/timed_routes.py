@@ -29,7 +29,7 @@ from ..timed_tours.earliest_end import LABEL_BYTES, EarliestEnd
 from ..timed_tours.optimistic import OptimisticLegs
 from ..timed_tours.tour import TimedTour, sequence_of, tour_of
 from . import label_setting, many_routes
-from .options import ExactOptions
+from .options import AutoOptions, ExactOptions
 
 OF_LISTS = 0.3
 """Share of the remaining time for the proof over given connections, which seldom succeeds."""
@@ -49,7 +49,7 @@ def plan(
     stop: Stop,
     progress: Progress,
     start: Iterable[Iterable[int]] | None,
-    options: ProofOptions,
+    options: AutoOptions | ExactOptions,
 ) -> Result:
     """The best plan so far and its proof: both of the prizes and of the cost.
 
@@ -72,10 +72,12 @@ def plan(
     searching.at_first()
     within: Stop = stop if problem.missions[0].has_functions else ShareOfTime(stop, OF_LISTS)
     proof = _Proof(problem, certificate, within, seed, options)
-    tour = None if problem.alone is None else tour_of(problem.alone)
-    if tour is not None and problem.total_worth > 0.0:
+    proves, tour = options.goals.proves, None
+    if proves and problem.alone is not None and problem.total_worth > 0.0:
+        tour = tour_of(problem.alone)
+    if tour is not None:
         proof.earliest_end(tour)
-    if not proof.answered and problem.missions[0].has_functions:
+    if proves and not proof.answered and problem.missions[0].has_functions:
         proof.all_routes(1.0 if method == "exact" else OF_ROUTES)
     if not (proof.complete or stop.remaining_s() <= 0.0):
         searching.until()
@@ -88,6 +90,19 @@ def plan(
         upper_bound=certificate.stated,
         otherwise=tuple(() for _ in problem.missions),
     )
+
+
+class _Asked(ShareOfTime):
+    """A share of the time in which the criterion is asked, of the plan and bound in truth."""
+
+    def __init__(self, stop: Stop, share: float, certificate: GapTracker) -> None:
+        super().__init__(stop, share)
+        self._certificate = certificate
+
+    def __call__(self, incumbent: float, bound: float) -> bool:
+        """Whether to stop."""
+        known = self._certificate
+        return self._stop(known.incumbent, known.bound) or self.remaining_s() <= 0.0
 
 
 class _Proof:
@@ -159,11 +174,9 @@ class _Proof:
         own = Problem(problem.instance).planning_prizes
         if problem.connecting.corrections or not np.array_equal(own, problem.planning_prizes):
             return
-        legs, within = OptimisticLegs(problem), ShareOfTime(self._stop, share)
+        legs, within = OptimisticLegs(problem), _Asked(self._stop, share, certificate)
         options = ExactOptions(self._options.jobs, self._options.delta_v_slot_m_s)
         while within.remaining_s() > 0.0:
-            if self._stop(certificate.incumbent, certificate.bound):
-                return
             instance = legs.instance()
             if instance is None:
                 return
