@@ -16,6 +16,8 @@ from adr_opt.mission.certified import certify
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
+from adr_opt.problem.given import only
+from adr_opt.problem.given_functions import of_breakpoints
 from solvers.timed_tours.earliest_end import EarliestEnd
 from solvers.timed_tours.layers import LayerSearch, windows_of
 from solvers.timed_tours.memories import memories_of
@@ -173,3 +175,43 @@ def test_a_certificate_is_verified() -> None:
     verdict = adr_opt.verify(instance, result.plan, certificate_of(instance, result))
     assert verdict.verified
     assert verdict.upper_bound == result.objective
+
+
+@pytest.mark.slow
+def test_sets_of_two_words_are_proven() -> None:
+    """Of seventy targets whose windows leave little choice the least end is that of all orders."""
+    rng, names = np.random.default_rng(5), [f"t{number:02d}" for number in range(70)]
+    takes = 1.0 + rng.random((71, 71))
+    pairs = [
+        (i, j, [[0.0, takes[a, b]], [300.0, 300.0 + takes[a, b]]], 0.0)
+        for (a, i), (b, j) in itertools.permutations(enumerate(["s0", *names]), 2)
+    ]
+    shape = timed_mission(0, all_required=True)
+    made = shape.with_given(only(of_breakpoints([], shape.names))).replace(
+        stations=shape.stations[:1],
+        targets=[
+            shape.targets[0].replace(name=name, window_s=(3.0 * at, 3.0 * at + 4.0))
+            for at, name in enumerate(names)
+        ],
+        chasers=[shape.chaser.replace(end="anywhere")],
+        mission=shape.mission.replace(duration_s=300.0, service_s=0.0),
+    )
+    tour = tour_of(Mission(made.with_given(only(of_breakpoints(pairs, made.names)))))
+    assert tour is not None
+    search = EarliestEnd(tour, lambda: False, jobs=1, most_labels=10**6)
+    for _ in search.rounds():
+        pass
+    assert search.proven
+    # By sets as Python has them: of all targets but a few the order is settled.
+    ways = {(frozenset[int](), 0): 0.0}
+    for _ in names:
+        longer: dict[tuple[frozenset[int], int], float] = {}
+        for (done, here), time in ways.items():
+            for at in range(70):
+                end = max(time + takes[here, at + 1], 3.0 * at)
+                late = set(range(70)).difference(done, {at}, range(math.ceil(end / 3.0 - 2.0), 70))
+                if at not in done and end <= 3.0 * at + 4.0 and not late:
+                    key = done | {at}, at + 1
+                    longer[key] = min(end, longer.get(key, math.inf))
+        ways = longer
+    assert search.end_s == pytest.approx(min(ways.values()), abs=1e-4)
