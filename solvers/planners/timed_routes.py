@@ -177,11 +177,14 @@ class _Proof:
         legs, within = OptimisticLegs(problem), _Asked(self._stop, share, certificate)
         options = ExactOptions(self._options.jobs, self._options.delta_v_slot_m_s)
         while within.remaining_s() > 0.0:
+            proven = certificate.proven
+            if proven and certificate.cost <= 0.0:  # no plan costs less than nothing
+                self.cost_bound, self.complete = 0.0, True
+                return
             instance = legs.instance()
             if instance is None:
                 return
             optimistic = Problem(instance, margin=problem.margin)
-            proven = certificate.proven
             engine = label_setting if optimistic.alone is not None else many_routes
             found = engine.plan(
                 "exact",
