@@ -48,7 +48,7 @@ def test_routes_are_those_of_enumeration(seed: int) -> None:
     _compare(timed_mission(seed), "exact" if seed % 2 else "auto")
 
 
-@over_seeds(range(2000), gate=3)
+@over_seeds(range(1000), gate=3)
 def test_two_chasers_are_those_of_enumeration(seed: int) -> None:
     """Of two chasers prizes and least ΔV are the best of all ways to deal out the targets."""
     instance = two_chasers(seed)
@@ -93,7 +93,7 @@ def test_optimistic_legs_are_no_later(seed: int) -> None:
         truth, coarse = mission.time(route), Mission(legs.instance())
         optimistic = coarse.time(route)
         assert optimistic.made >= truth.made
-        if truth.made == len(route):
+        if truth.made == len(route) and mission.may_stop(route):
             assert optimistic.cost <= truth.cost
             legs.refine(certify(coarse, "by hand", route, seed=0, runtime_s=0.0).plan)
             found = Mission(legs.instance()).time(route).cost
