@@ -24,7 +24,7 @@ from ..kernels.episodes.set_scores import (
     ILLEGAL,
     PLACE,
     PLACE_WIDTH,
-    Weights,
+    ScorerWeights,
     set_scores,
 )
 from ..mission.mission import Mission
@@ -96,7 +96,7 @@ class Policy:
         with np.errstate(over="ignore", invalid="ignore"):
             self._weights = self._folded()
 
-    def _folded(self) -> Weights:
+    def _folded(self) -> ScorerWeights:
         """The layers, with scales and shifts of norms in the layers after them."""
         of = {name: array.T for name, array in self.arrays.items()}
         width = self._width
@@ -117,10 +117,10 @@ class Policy:
                 )
         parts = {
             field: of[f"{field.removesuffix('_bias')}.{'bias' if '_' in field else 'weight'}"]
-            for field in Weights._fields
+            for field in ScorerWeights._fields
         }
         parts["score"] = parts["score"][:, 0]
-        return Weights(**{name: np.ascontiguousarray(of) for name, of in parts.items()})
+        return ScorerWeights(**{name: np.ascontiguousarray(of) for name, of in parts.items()})
 
     @property
     def name(self) -> str:

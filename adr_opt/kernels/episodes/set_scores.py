@@ -53,7 +53,7 @@ FIELDS, NUMBERS = len(CHOICE_FIELDS), len(MISSION_FIELDS)
 NORM = np.float32(1e-5)
 
 
-class Weights(NamedTuple):
+class ScorerWeights(NamedTuple):
     """Layers of the network, float32: weights (inputs, outputs), then biases (outputs,).
 
     Those from ``attend`` to ``narrow`` have a leading axis, layers of attention; scales of norms
@@ -231,7 +231,7 @@ def set_scores(weights, moves, mission, scores):
 
     Parameters
     ----------
-    weights : Weights
+    weights : ScorerWeights
     moves : (states, choices, len(CHOICE_FIELDS)) float32
     mission : (states, len(MISSION_FIELDS)) float32
     scores : (states, choices) float32
