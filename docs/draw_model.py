@@ -35,8 +35,8 @@ from adr_opt.ui import plot
 FOLDER = Path(__file__).with_name("pictures")
 WIDTH_IN = 6.2
 PRICED = {
-    "cloud-000": "a drawn cloud",
-    "nominal-000 e to 0.02": "a field, e to 0.02",
+    "Cosmos 2251-like 0": "like Cosmos 2251",
+    "SL-8-like 0": "like SL-8",
     "celestrak_2025-04_iridium-33-debris part 1": "Iridium 33, 2025-04",
 }
 """Fields of bench/curves/free-burns.csv, and their titles."""

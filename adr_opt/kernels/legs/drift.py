@@ -123,7 +123,7 @@ def node_series(pair, task, arcs):
 
 @inlined
 def tilt_at(pair, flat, series, climb, tilt, close):
-    """The best z for a given drift orbit, near a given z: the split, X, and N₁ + N₂ [m/s].
+    """The best z for a given drift orbit, near a given z: the split, X, N₁ + N₂ and the next z.
 
     Minimises (X² + (N₁ + N₂)²) / 2, which is convex but for the curvature of a cosine: Newton
     steps. Between points where the slope is known to change its sign the interval is halved instead
@@ -147,7 +147,7 @@ def tilt_at(pair, flat, series, climb, tilt, close):
     flat_1, flat_2 = flat
     p0, p1, p2, p3, p4, p5 = series
     low, high, before = -math.inf, math.inf, math.inf
-    node = first = second = 0.0
+    node = first = second = step = 0.0
     for _ in range(MOST_STEPS):
         more = tilt * per_speed
         node = -worth * (p0 + more * (p1 + more * (p2 + more * (p3 + more * (p4 + more * p5)))))
@@ -181,7 +181,8 @@ def tilt_at(pair, flat, series, climb, tilt, close):
         before = abs(step)
         tilt += step
     along = node * first / turn if turn > 0.0 else 0.0
-    return Split(math.sqrt(node * node + turn * turn), climb, tilt, along), node, turn
+    way = Split(math.sqrt(node * node + turn * turn), climb, tilt, along)
+    return way, node, turn, tilt + step
 
 
 @inlined
@@ -218,7 +219,7 @@ def split(pair, task, free):
         tilt = free.tilt + free.follow * away if FAR * abs(away) < free.room else free.tilt
         series = node_series(pair, task, there)
         flat = in_plane(pair, task.shape, climb)
-        way, _, _ = tilt_at(pair, flat, series, climb, tilt, CLOSE_M_S)
+        way, _, _, _ = tilt_at(pair, flat, series, climb, tilt, CLOSE_M_S)
         if way.delta_v < best.delta_v:
             best = way
         if abs(laps - nearer) < NEARER and FAR * (1.0 - NEARER) / NEARER * abs(away) < free.room:
@@ -244,7 +245,7 @@ def free_split(pair, task, free):
     nearer = chosen = float(math.floor(laps + 0.5))
     side = 1.0 if laps > nearer else -1.0
     number, turned, is_sure = nearer, False, False
-    reached, along = radius, arcs
+    reached, along, closer = radius, arcs, free.tilt
     # Where eccentricities cost nothing beside changes of size, M is that between circles, elsewhere
     # no less: the optimum is theirs.
     doubt = SURE_M_S if free.room == 0.0 else NEAR_M_S
@@ -254,12 +255,16 @@ def free_split(pair, task, free):
         if least <= found <= most and there.drift > 0.0:
             climb = climb_to(pair, found)
             away = abs(climb - free.climb)
+            tilt = best.tilt
+            if FAR * away < free.room:
+                tilt = free.tilt + free.follow * (climb - free.climb)
             flat = in_plane(pair, task.shape, climb)
             series = node_series(pair, task, there)
-            way, _, _ = tilt_at(pair, flat, series, climb, best.tilt, CLOSE_M_S)
+            way, _, _, after = tilt_at(pair, flat, series, climb, tilt, CLOSE_M_S)
             is_better = way.delta_v < best.delta_v
             if is_better:
-                best, chosen, reached, along = way, number, found, there
+                best, chosen, closer = way, number, after
+                reached, along = found, there
         if number == nearer:
             room = FAR * (1.0 - NEARER) / NEARER * away
             if is_better and abs(laps - nearer) < NEARER and room < free.room:
@@ -281,7 +286,7 @@ def free_split(pair, task, free):
     climb = climb_to(pair, reached)
     flat = in_plane(pair, task.shape, climb)
     series = node_series(pair, task, along)
-    way, node, turn = tilt_at(pair, flat, series, climb, best.tilt, CLOSER_M_S)
+    way, node, turn, _ = tilt_at(pair, flat, series, climb, closer, CLOSER_M_S)
     return Split(directed(pair, task, climb, node, turn), climb, way.tilt, way.along)
 
 
