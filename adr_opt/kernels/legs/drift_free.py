@@ -116,7 +116,17 @@ def first_guess(pair, task):
 
 @inlined
 def rest_of(pair, task):
-    """What is left of the node of a leg."""
+    """What is left of the node of a leg, wherever it drifts.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    task : Task
+
+    Returns
+    -------
+    Rest
+    """
     half = pair.half
     drifting = task.span - pair.approach - half * (1.0 + pair.fraction)
     # The arcs beside the drift orbit are halfway to it.

@@ -175,7 +175,19 @@ def within(orbit_i, orbit_j, rule, limits, free, time):
 
 @inlined
 def shape_on(pair, arrival):
-    """E, and by free burns V̄ Δe / 2 in the plane, from the node on [m/s]."""
+    """E, and by free burns V̄ Δe / 2 in the plane, from the node on [m/s].
+
+    Parameters
+    ----------
+    pair : DriftPair
+    arrival : float
+        t_f, until which perigees turn [s].
+
+    Returns
+    -------
+    shape, shape_x, shape_y : float
+        As :class:`Task` has them.
+    """
     linear, x, y = pair.linear, 0.0, 0.0
     if pair.free:
         half = 0.5 * linear.speed
