@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import random
 import sys
 import time
 from collections.abc import Callable
@@ -70,6 +71,7 @@ class Works:
             "check": self.check,
             "cloud-table": self.cloud_table,
             "cloud-proof": self.cloud_proof,
+            "drift-table": self.drift_table,
         }
 
     def _field(self, name: str) -> adr_opt.Instance:
@@ -90,11 +92,21 @@ class Works:
 
     @cached_property
     def _cloud(self) -> adr_opt.Instance:
-        """Eccentric orbits under J2, by free burns where the version has their price."""
-        field = self._field("cloud").replace(dynamics="j2")
-        if hasattr(field.transfer, "burns"):
-            field = field.replace(transfer=field.transfer.replace(burns="free"))
-        return field
+        return _by_free_burns(self._field("cloud"))
+
+    @cached_property
+    def _ellipses(self) -> adr_opt.Instance:
+        """Legs of months between eccentricities up to 0.015."""
+        rng, field = random.Random(0), self._field("drifting")
+        targets = []
+        for target in field.targets:
+            assert target.orbit is not None
+            shape = {
+                "eccentricity": 0.015 * rng.random(),
+                "argument_of_perigee_deg": 360.0 * rng.random(),
+            }
+            targets.append(target.replace(orbit=target.orbit.replace(**shape)))
+        return _by_free_burns(field.replace(targets=tuple(targets)))
 
     @cached_property
     def _plan(self) -> adr_opt.Plan:
@@ -115,6 +127,10 @@ class Works:
     def cloud_table(self) -> Any:
         """The timetable of a cloud, on one core."""
         return adr_opt.Timetable(self._cloud, 1).entries
+
+    def drift_table(self) -> Any:
+        """The timetable of drifts between eccentric orbits, on one core."""
+        return adr_opt.Timetable(self._ellipses, 1).entries
 
     def cloud_proof(self) -> Any:
         """A proof of a cloud, its timetable included."""
@@ -169,6 +185,14 @@ class Works:
                 problem, method, time_limit=LIMIT_S, iterations=iterations, jobs=1, **options
             )
         )
+
+
+def _by_free_burns(instance: adr_opt.Instance) -> adr_opt.Instance:
+    """The same under J2, by free burns where the version has their price."""
+    field = instance.replace(dynamics="j2")
+    if not hasattr(field.transfer, "burns"):
+        return field
+    return field.replace(transfer=field.transfer.replace(burns="free"))
 
 
 def _ready(instance: adr_opt.Instance) -> adr_opt.Mission:

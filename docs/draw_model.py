@@ -35,8 +35,8 @@ from adr_opt.ui import plot
 FOLDER = Path(__file__).with_name("pictures")
 WIDTH_IN = 6.2
 PRICED = {
-    "cloud-000": "a drawn cloud",
-    "nominal-000 e to 0.02": "a field, e to 0.02",
+    "Cosmos 2251-like 0": "like Cosmos 2251",
+    "SL-8-like 0": "like SL-8",
     "celestrak_2025-04_iridium-33-debris part 1": "Iridium 33, 2025-04",
 }
 """Fields of bench/curves/free-burns.csv, and their titles."""
@@ -507,9 +507,10 @@ def priced() -> Any:
             told = f"{label}: {100.0 * said:+.1f} %"
             ax.plot(some["flown_m_s"], shares, mark, color=colour, ms=4, label=told)
         ax.axhspan(0.9, 1.1, color=FAINT, alpha=0.15, lw=0)
-        ax.set(xlabel="flown ΔV [m/s]", title=title)
+        ax.set(xlabel="flown ΔV [m/s]")
+        ax.set_title(title, fontsize=9)
         ax.legend(loc="upper right", fontsize=6, handlelength=1.0)
-    panels[0].set_ylabel("said over flown")
+    panels[0].set(ylabel="said over flown", ylim=(0.85, 1.75))
     figure.tight_layout()
     return figure
 

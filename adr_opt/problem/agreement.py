@@ -98,7 +98,8 @@ def check_decay(targets: Sequence[Target], chasers: Sequence[Chaser], *, drifts:
         if target.decay_m_per_day and target.removal == "tow":
             raise ValueError(
                 f"field targets[{number}].decay_m_per_day = {target.decay_m_per_day!r}: tows of "
-                "decaying objects are not planned yet; leave it out, or choose another removal"
+                "decaying objects are not planned; leave it out, as `import --ephemerides` does, "
+                "or choose another removal"
             )
 
 

@@ -152,7 +152,9 @@ def test_free_phase_costs_no_more_than_whole_laps(rule):
         departure, span = rng.uniform(0.0, 700.0) * DAY_S, 10 ** rng.uniform(-0.7, 2.8) * DAY_S
         pair = drift_pair.prepare(first, second, rule, 0.0)
         leg = drift_pair.task(pair, departure, departure + span)
-        free = drift_free.free_phase(pair, leg, *drift_free.first_guess(pair, leg))
+        rest = drift_free.rest_of(pair, leg)
+        free = drift_free.free_phase(pair, leg, rest, *drift_free.first_guess(pair, leg))
+        free = drift_free.matched(pair, leg, rest, free)
         found = drift.split(pair, leg, free).delta_v
         if found < DEAREST_M_S:
             assert free.least - drift_grid.SLACK_M_S <= found, (first, second, departure, span)

@@ -129,7 +129,7 @@ def test_bounds_hold_for_all_masses(rule: TransferRule):
 @kernel
 def free_cost(pair, thrust, window, departure, arrival):
     """ΔV with a free phase of the target and one width of windows."""
-    task = drift_pair.task_of(pair.drift, departure, arrival, 0.0)
+    task = drift_pair.task_of(pair.drift, departure, arrival, drift_pair.ALIKE)
     steers = low_thrust_windows.steering(
         low_thrust_windows.places(pair, task, departure, arrival), window
     )
@@ -205,7 +205,7 @@ def test_shadows_are_the_judges():
 @kernel
 def bowls(pair, departure, arrival, window, climbs):
     """ΔV of 400 m/s with what eccentricities ask for, for changes of speed by the first arc."""
-    task = drift_pair.task_of(pair.drift, departure, arrival, 0.0)
+    task = drift_pair.task_of(pair.drift, departure, arrival, drift_pair.ALIKE)
     at = low_thrust_windows.places(pair, task, departure, arrival)
     steers = low_thrust_windows.steering(at, window)
     return [low_thrust_windows.shaped(pair.drift, steers, 400.0, climb) for climb in climbs]
@@ -263,7 +263,7 @@ def test_a_leg_with_much_thrust_is_the_drift_leg():
         one[columns.ECCENTRICITY] = other[columns.ECCENTRICITY] = 0.0
         pair = low_thrust_windows.prepare(one, other, RULE, math.nan, 0.0)
         cost = free_cost(pair, Thrust(1e7, 1e9), 1e-3, departure, departure + span)
-        task = drift_pair.task_of(pair.drift, departure, departure + span, 0.0)
+        task = drift_pair.task_of(pair.drift, departure, departure + span, drift_pair.ALIKE)
         least = low_thrust.with_impulses(pair.drift, task, 1.0, LEVEL)
         if least > 1500.0:
             continue

@@ -46,7 +46,7 @@ def planned(dynamics: str = "two-body") -> Plan:
     return plan
 
 
-some_seeds = over_kinds("seeds", drawn=(range(96), 3))
+some_seeds = over_kinds("seeds", drawn=(range(96), 2))
 
 
 @some_seeds

@@ -35,7 +35,7 @@ from ...common.constants import TURN_RAD
 from ..core.compile import inlined, kernel
 from . import drift_pair
 from .drift_arcs import NodeSeries, coast, moved
-from .drift_free import first_guess, free_phase
+from .drift_free import NEAR_M_S, first_guess, free_phase, matched, rest_of
 from .drift_pair import climb_to, radius_of
 from .drift_shape import CLOSER_M_S, directed, in_plane
 
@@ -56,6 +56,8 @@ NEARER, FAR = 0.25, 8.0
 """A tooth is accepted without examining the next if the optimum is within this share of the way to
 it and N₁ and N₂ are this many times as large as that way: costs are then nearly a parabola."""
 
+STEADY = 3e-4
+"""Largest step to a tooth, as a share of the radius, of which arcs need not be taken anew."""
 
 SURE_M_S = 3.0
 """Largest error of the optimum of free phase by free burns [m/s]."""
@@ -121,7 +123,7 @@ def node_series(pair, task, arcs):
 
 @inlined
 def tilt_at(pair, flat, series, climb, tilt, close):
-    """The best z for a given drift orbit, near a given z, and the resulting split.
+    """The best z for a given drift orbit, near a given z: the split, X, N₁ + N₂ and the next z.
 
     Minimises (X² + (N₁ + N₂)²) / 2, which is convex but for the curvature of a cosine: Newton
     steps. Between points where the slope is known to change its sign the interval is halved instead
@@ -145,7 +147,7 @@ def tilt_at(pair, flat, series, climb, tilt, close):
     flat_1, flat_2 = flat
     p0, p1, p2, p3, p4, p5 = series
     low, high, before = -math.inf, math.inf, math.inf
-    node = first = second = 0.0
+    node = first = second = step = 0.0
     for _ in range(MOST_STEPS):
         more = tilt * per_speed
         node = -worth * (p0 + more * (p1 + more * (p2 + more * (p3 + more * (p4 + more * p5)))))
@@ -179,7 +181,8 @@ def tilt_at(pair, flat, series, climb, tilt, close):
         before = abs(step)
         tilt += step
     along = node * first / turn if turn > 0.0 else 0.0
-    return Split(math.sqrt(node * node + turn * turn), climb, tilt, along)
+    way = Split(math.sqrt(node * node + turn * turn), climb, tilt, along)
+    return way, node, turn, tilt + step
 
 
 @inlined
@@ -216,7 +219,7 @@ def split(pair, task, free):
         tilt = free.tilt + free.follow * away if FAR * abs(away) < free.room else free.tilt
         series = node_series(pair, task, there)
         flat = in_plane(pair, task.shape, climb)
-        way = tilt_at(pair, flat, series, climb, tilt, CLOSE_M_S)
+        way, _, _, _ = tilt_at(pair, flat, series, climb, tilt, CLOSE_M_S)
         if way.delta_v < best.delta_v:
             best = way
         if abs(laps - nearer) < NEARER and FAR * (1.0 - NEARER) / NEARER * abs(away) < free.room:
@@ -238,21 +241,38 @@ def free_split(pair, task, free):
     if arcs.drift <= 0.0:
         return best
     laps = (arcs.phase - task.ahead) / TURN_RAD
+    least, most = radius_of(pair, pair.least_climb), radius_of(pair, pair.most_climb)
     nearer = chosen = float(math.floor(laps + 0.5))
     side = 1.0 if laps > nearer else -1.0
     number, turned, is_sure = nearer, False, False
+    reached, along, closer = radius, arcs, free.tilt
+    # Where eccentricities cost nothing beside changes of size, M is that between circles, elsewhere
+    # no less: the optimum is theirs.
+    doubt = SURE_M_S if free.room == 0.0 else NEAR_M_S
     while True:
-        way = tried(pair, task, radius, arcs, number, best.tilt, CLOSE_M_S)
-        away = abs(way.climb - free.climb)
-        is_better = way.delta_v < best.delta_v
-        if is_better:
-            best, chosen = way, number
+        found, there = tooth(pair, task, radius, arcs, number)
+        is_better, away = False, math.inf
+        if least <= found <= most and there.drift > 0.0:
+            climb = climb_to(pair, found)
+            away = abs(climb - free.climb)
+            tilt = best.tilt
+            if FAR * away < free.room:
+                tilt = free.tilt + free.follow * (climb - free.climb)
+            flat = in_plane(pair, task.shape, climb)
+            series = node_series(pair, task, there)
+            way, _, _, after = tilt_at(pair, flat, series, climb, tilt, CLOSE_M_S)
+            is_better = way.delta_v < best.delta_v
+            if is_better:
+                best, chosen, closer = way, number, after
+                reached, along = found, there
         if number == nearer:
             room = FAR * (1.0 - NEARER) / NEARER * away
             if is_better and abs(laps - nearer) < NEARER and room < free.room:
                 break
-            is_sure = away > SURE_M_S
-        elif not is_better or away > SURE_M_S:
+            if abs(best.climb) + abs(pair.climb - best.climb) < 2.0 * task.shape:
+                doubt = SURE_M_S
+            is_sure = away > doubt
+        elif not is_better or away > doubt:
             # What lies beyond costs more: on with the other side, once.
             if turned or is_sure or chosen != nearer:
                 break
@@ -261,29 +281,22 @@ def free_split(pair, task, free):
     if best.delta_v == math.inf:
         return best
     # The price is not what is least there: it takes a more exact optimum.
-    radius = radius_of(pair, best.climb)
-    arcs = coast(pair, task.span, radius)
-    way = tried(pair, task, radius, arcs, chosen, best.tilt, CLOSER_M_S)
-    return Split(directed(pair, task, way), way.climb, way.tilt, way.along)
-
-
-@inlined
-def tried(pair, task, radius, arcs, laps, tilt, close):
-    """The split with a tooth near a radius with known arcs; infinite ΔV outside the limits."""
-    found, there = tooth(pair, task, radius, arcs, laps)
-    least, most = radius_of(pair, pair.least_climb), radius_of(pair, pair.most_climb)
-    if not (least <= found <= most) or there.drift <= 0.0:
-        return Split(math.inf, math.inf, tilt, 0.0)
-    climb = climb_to(pair, found)
+    if abs(reached - radius) > STEADY * radius:
+        reached, along = tooth(pair, task, reached, coast(pair, task.span, reached), chosen)
+    climb = climb_to(pair, reached)
     flat = in_plane(pair, task.shape, climb)
-    return tilt_at(pair, flat, node_series(pair, task, there), climb, tilt, close)
+    series = node_series(pair, task, along)
+    way, node, turn, _ = tilt_at(pair, flat, series, climb, closer, CLOSER_M_S)
+    return Split(directed(pair, task, climb, node, turn), climb, way.tilt, way.along)
 
 
 @kernel
 def split_of(pair, task):
     """Split of a drift leg, solved from its first guess."""
     climb, tilt = first_guess(pair, task)
-    return split(pair, task, free_phase(pair, task, climb, tilt))
+    rest_of_node = rest_of(pair, task)
+    circles = free_phase(pair, task, rest_of_node, climb, tilt)
+    return split(pair, task, matched(pair, task, rest_of_node, circles))
 
 
 @kernel
@@ -302,7 +315,7 @@ def delta_v(pair, departure, arrival):
 def shape_share(pair, departure, arrival):
     """ΔV due to eccentricity: the excess over the same leg between circles [m/s]."""
     leg = drift_pair.task(pair, departure, arrival)
-    circles = drift_pair.task_of(pair, departure, arrival, 0.0)
+    circles = drift_pair.task_of(pair, departure, arrival, drift_pair.ALIKE)
     return max(split_of(pair, leg).delta_v - split_of(pair, circles).delta_v, 0.0)
 
 

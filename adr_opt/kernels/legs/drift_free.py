@@ -115,13 +115,38 @@ def first_guess(pair, task):
 
 
 @inlined
-def free_phase(pair, task, climb, tilt):
-    """Approximate optimum of a drift leg with a free phase of the target.
+def rest_of(pair, task):
+    """What is left of the node of a leg, wherever it drifts.
 
     Parameters
     ----------
     pair : DriftPair
     task : Task
+
+    Returns
+    -------
+    Rest
+    """
+    half = pair.half
+    drifting = task.span - pair.approach - half * (1.0 + pair.fraction)
+    # The arcs beside the drift orbit are halfway to it.
+    known = task.lag + pair.node_rate_i * (task.span - 0.5 * half)
+    known -= pair.node_rate_j * (half * (0.5 + pair.fraction) + pair.approach)
+    return Rest(known, 0.0, 0.0, drifting)
+
+
+@inlined
+def free_phase(pair, task, rest_of_node, climb, tilt):
+    """Approximate optimum of a drift leg with a free phase of the target.
+
+    By free burns the one between circles, which costs no more and which :func:`matched` goes on
+    from.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    task : Task
+    rest_of_node : Rest
     climb, tilt : float
         To begin with [m/s].
 
@@ -129,16 +154,8 @@ def free_phase(pair, task, climb, tilt):
     -------
     Free
     """
-    half = pair.half
-    drifting = task.span - pair.approach - half * (1.0 + pair.fraction)
-    # The arcs beside the drift orbit are halfway to it.
-    known = task.lag + pair.node_rate_i * (task.span - 0.5 * half)
-    known -= pair.node_rate_j * (half * (0.5 + pair.fraction) + pair.approach)
-    rest = Rest(known, 0.0, 0.0, drifting)
-    if pair.free:
-        circles = least_turns(pair, task.span, 0.0, LEVEL, rest, climb, tilt)
-        return matched(pair, task.span, task.shape, rest, circles)
-    return least_turns(pair, task.span, task.shape, LEVEL, rest, climb, tilt)
+    shape = 0.0 if pair.free else task.shape
+    return least_turns(pair, task.span, shape, LEVEL, rest_of_node, climb, tilt)
 
 
 @inlined
@@ -175,8 +192,8 @@ def tilted(pair, shape, rest_of_node, climb, tilt):
 
 
 @inlined
-def matched(pair, span, shape, rest_of_node, circles):
-    """Optimum of M (:mod:`.drift_shape`) from the one between circles.
+def matched(pair, task, rest_of_node, circles):
+    """Optimum of M (:mod:`.drift_shape`) from the one between circles; it itself if not by M.
 
     They are the same where that changes speeds by as much as eccentricities ask for. Else all b_y
     that do cost the same in the plane, and the node alone chooses: none of it is left, or b_y is
@@ -185,13 +202,12 @@ def matched(pair, span, shape, rest_of_node, circles):
     Parameters
     ----------
     pair : DriftPair
-    span, shape : float
-        T [s] and E [m/s].
+    task : Task
     rest_of_node : Rest
     circles : Free
     """
-    climb, tilt = circles.climb, circles.tilt
-    if abs(climb) + abs(pair.climb - climb) >= 2.0 * shape:
+    climb, tilt, shape = circles.climb, circles.tilt, task.shape
+    if not pair.free or abs(climb) + abs(pair.climb - climb) >= 2.0 * shape:
         return circles
     before, slope, _ = node_of(pair, rest_of_node, climb, tilt)
     there = 0.5 * pair.climb - math.copysign(shape, before * slope)
@@ -206,7 +222,7 @@ def matched(pair, span, shape, rest_of_node, circles):
         else:
             before *= 0.5
         there, node = between, new
-    if span > BENT_S:
+    if task.span > BENT_S:
         there, tilt, least = searched(pair, shape, rest_of_node, there, tilt, least)
     return Free(there, tilt, least, 0.0, 0.0)
 

@@ -14,10 +14,10 @@ from ..core.compile import kernel
 from ..core.lists import chosen, wider
 from ..orbits import ephemeris
 from ..orbits.ephemeris import EPOCH_S
-from . import drift_linear, drift_pair
+from . import drift_pair
 from .drift import split
-from .drift_free import first_guess, free_phase
-from .drift_pair import margin, radius_of, task_of
+from .drift_free import first_guess, free_phase, matched, rest_of
+from .drift_pair import margin, radius_of, shape_on, task_of
 
 SLACK_M_S = 0.3
 """Largest excess of :mod:`.drift_free` over the ΔV with phase [m/s]: its tips are rounded off, and
@@ -157,9 +157,10 @@ def of_pair(orbits_i, orbit_j, rule, times, duration, resolution, shorts, kept):
     points = math.floor(duration / step) + 1
     furthest = min(math.floor(times.longest / step), points - 1)
     # The least cost of all that leave later and arrive by then.
-    stair, shape = np.empty(points), np.empty(points)
+    stair, shape = np.empty(points), np.empty((points, 3))
     for t in range(points):
-        stair[t], shape[t] = math.inf, drift_linear.shape_left(pair.linear, t * step)
+        stair[t] = math.inf
+        shape[t, 0], shape[t, 1], shape[t, 2] = shape_on(pair, t * step)
     room = 1024
     departures, arrivals = np.empty(room, np.int32), np.empty(room, np.int32)
     costs_found = np.empty(room)
@@ -181,7 +182,7 @@ def of_pair(orbits_i, orbit_j, rule, times, duration, resolution, shorts, kept):
         if orbits_i.shape[0] > 1:
             pair = drift_pair.prepare(orbits_i[begin], orbit_j, rule, EPOCH_S)
             for t in range(begin + 1, points if pair.linear.eccentricity_i > 0.0 else 0):
-                shape[t] = drift_linear.shape_left(pair.linear, t * step)
+                shape[t, 0], shape[t, 1], shape[t, 2] = shape_on(pair, t * step)
         last = min(begin + furthest, points - 1)
         cheapest = most + resolution
         looked, lag = begin + 1, math.inf
@@ -194,6 +195,8 @@ def of_pair(orbits_i, orbit_j, rule, times, duration, resolution, shorts, kept):
             below = cheapest - resolution
             if below <= floor:
                 break
+            if pair.free and below <= math.hypot(2.0 * shape[t, 0], pair.linear.tilt):
+                continue
             leg = task_of(pair, begin * step, t * step, shape[t])
             if not abs(leg.lag - lag) < 0.1:
                 start_climb, start_tilt = first_guess(pair, leg)
@@ -207,9 +210,13 @@ def of_pair(orbits_i, orbit_j, rule, times, duration, resolution, shorts, kept):
                 start_tilt = tilt + more * (tilt - before_tilt)
                 before_t = last_t
             before_climb, before_tilt = climb, tilt
-            free = free_phase(pair, leg, start_climb, start_tilt)
-            climb, tilt, least = free.climb, free.tilt, free.least
+            rest_of_node = rest_of(pair, leg)
+            free = free_phase(pair, leg, rest_of_node, start_climb, start_tilt)
+            climb, tilt = free.climb, free.tilt
             lag, last_t = leg.lag, t
+            if free.least - SLACK_M_S < below:
+                free = matched(pair, leg, rest_of_node, free)
+            least = free.least
             if least - SLACK_M_S >= below:
                 # No leg costs less than the optimum of free phase, up to the slack, and that
                 # changes by `change` at most from one arrival to the next: so arrivals are passed

@@ -88,17 +88,20 @@ class Task(NamedTuple):
         What is left of the node on arrival if nothing is done before, by the turn taken [rad].
     ahead : float
         λ_j(t_f − approach) − lead − λ_i(t_s) [rad].
-    shape : float
-        E [m/s].
-    arrival : float
-        t_f [s].
+    shape, shape_x, shape_y : float
+        E, and by free burns V̄ Δe / 2 in the plane, from the node on [m/s].
     """
 
     span: float
     lag: float
     ahead: float
     shape: float
-    arrival: float
+    shape_x: float
+    shape_y: float
+
+
+ALIKE = (0.0, 0.0, 0.0)
+"""Shape between circles."""
 
 
 @kernel
@@ -171,8 +174,34 @@ def within(orbit_i, orbit_j, rule, limits, free, time):
 
 
 @inlined
+def shape_on(pair, arrival):
+    """E, and by free burns V̄ Δe / 2 in the plane, from the node on [m/s].
+
+    Parameters
+    ----------
+    pair : DriftPair
+    arrival : float
+        t_f, until which perigees turn [s].
+
+    Returns
+    -------
+    shape, shape_x, shape_y : float
+        As :class:`Task` has them.
+    """
+    linear, x, y = pair.linear, 0.0, 0.0
+    if pair.free:
+        half = 0.5 * linear.speed
+        perigee_i = pair.perigee_i + pair.perigee_rate_i * arrival
+        perigee_j = perigee_i + linear.perigee_lag + linear.perigee_lag_rate * arrival
+        e_i, e_j = half * linear.eccentricity_i, half * linear.eccentricity_j
+        x = e_j * math.cos(perigee_j) - e_i * math.cos(perigee_i)
+        y = e_j * math.sin(perigee_j) - e_i * math.sin(perigee_i)
+    return drift_linear.shape_left(linear, arrival), x, y
+
+
+@inlined
 def task_of(pair, departure, arrival, shape):
-    """The task between two times whose eccentricity vectors cost E [m/s].
+    """The task between two times with a shape as :func:`shape_on` has it.
 
     The node is turned the nearer way, as it is if half of size and inclination is changed at either
     end.
@@ -190,13 +219,13 @@ def task_of(pair, departure, arrival, shape):
         ahead += 0.5 * pair.acceleration_j * met * met
         ahead -= 0.5 * pair.acceleration_i * departure * departure
     ahead += pair.cosine * (lag + pair.node_rate_i * span - pair.node_rate_j * pair.approach)
-    return Task(span, lag, ahead - pair.lead, shape, arrival)
+    return Task(span, lag, ahead - pair.lead, shape[0], shape[1], shape[2])
 
 
 @kernel
 def task(pair, departure, arrival):
     """The task between two times [s]."""
-    return task_of(pair, departure, arrival, drift_linear.shape_left(pair.linear, arrival))
+    return task_of(pair, departure, arrival, shape_on(pair, arrival))
 
 
 @inlined

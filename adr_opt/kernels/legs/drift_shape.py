@@ -38,49 +38,23 @@ def in_plane(pair, shape, climb):
 
 
 @inlined
-def across(pair, task, node):
-    """V̄/2 times the part of Δe across the line on which plane and node are turned [m/s].
-
-    Parameters
-    ----------
-    pair : DriftPair
-    task : Task
-    node : float
-        X [m/s].
-    """
-    linear = pair.linear
-    perigee_i = pair.perigee_i + pair.perigee_rate_i * task.arrival
-    perigee_j = perigee_i + linear.perigee_lag + linear.perigee_lag_rate * task.arrival
-    e_i, e_j = linear.eccentricity_i, linear.eccentricity_j
-    x = e_j * math.cos(perigee_j) - e_i * math.cos(perigee_i)
-    y = e_j * math.sin(perigee_j) - e_i * math.sin(perigee_i)
-    size = math.sqrt(node * node + linear.tilt * linear.tilt)
-    if size == 0.0:
-        return 0.0
-    return 0.5 * linear.speed * abs(linear.tilt * y - node * x) / size
-
-
-@inlined
-def directed(pair, task, way):
+def directed(pair, task, climb, node, turn):
     """Price of a split by its M [m/s].
 
     Parameters
     ----------
     pair : DriftPair
     task : Task
-    way : Split
+    climb, node, turn : float
+        y, X and N₁ + N₂ [m/s].
     """
-    if task.shape == 0.0:
-        return way.delta_v
-    first, second = in_plane(pair, task.shape, way.climb)
-    left = pair.linear.tilt - way.tilt
-    turn = math.sqrt(first + way.tilt * way.tilt) + math.sqrt(second + left * left)
-    square = way.delta_v * way.delta_v
-    node = math.copysign(math.sqrt(max(square - turn * turn, 0.0)), way.along)
-    planar = math.sqrt(first) + math.sqrt(second)
-    side = across(pair, task, node)
-    if side == 0.0:
-        return way.delta_v
+    tilt, square = pair.linear.tilt, node * node + turn * turn
+    line = node * node + tilt * tilt
+    if line == 0.0 or task.shape == 0.0:
+        return math.sqrt(square)
+    # V̄ / 2 times the part of Δe across the line on which plane and node are turned.
+    side = abs(tilt * task.shape_y - node * task.shape_x) / math.sqrt(line)
+    planar = max(abs(climb) + abs(pair.climb - climb), 2.0 * task.shape)
     theta = max(square - planar * planar, 0.0)
     apart = side + 0.5 * ROOT_3 * math.sqrt(theta)
     ridden = 4.0 * side * side + theta if 12.0 * side * side < theta else apart * apart

@@ -14,7 +14,7 @@ from ..core.lists import wider
 from . import drift_pair
 from .drift_free import LEVEL, Rest, first_guess, least_turns
 from .drift_grid import first_to_last
-from .drift_pair import Task
+from .drift_pair import ALIKE, Task
 from .low_thrust_arcs import Thrust, chord, weighted
 from .low_thrust_split import BUSY, NEVER, OFF, OFF_M_S, LowThrustSplit, free_split, split
 from .low_thrust_windows import WINDOWS_RAD, Steering, easing, places, steering
@@ -44,7 +44,7 @@ LIGHTER = 1.01
 def task_turned(pair, task, turns):
     """The same task with the node turned some more whole turns."""
     more = turns * TURN_RAD
-    return Task(task.span, task.lag + more, task.ahead + pair.cosine * more, 0.0, task.arrival)
+    return Task(task.span, task.lag + more, task.ahead + pair.cosine * more, *ALIKE)
 
 
 class LowThrustLeg(NamedTuple):
@@ -150,7 +150,7 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
         Of infinite ΔV if there is none.
     """
     drift = pair.drift
-    nearer = drift_pair.task_of(drift, departure, arrival, 0.0)
+    nearer = drift_pair.task_of(drift, departure, arrival, ALIKE)
     best = LowThrustLeg(NEVER, 0.0, 1.0)
     # Estimates with impulses are lower bounds up to this slack, so that what they refuse is refused
     # by the leg itself. A window that is found lowers the limit of those after it.
@@ -218,7 +218,7 @@ def leg_stated(pair, thrust, departure, arrival, stated):
         [m/s].
     """
     drift = pair.drift
-    nearer = drift_pair.task_of(drift, departure, arrival, 0.0)
+    nearer = drift_pair.task_of(drift, departure, arrival, ALIKE)
     best, least = LowThrustLeg(NEVER, 0.0, 1.0), math.inf
     for turns in (0.0, -1.0, 1.0):
         if turns != 0.0 and nearer.span <= LONG_S:

@@ -251,7 +251,7 @@ def tooth_split(pair, task, thrust, steering, free, follow, laps):
             break
         series = node_series(pair, task, room - now.here, now.times, speed)
         rest = pair.climb - climb
-        way = tilt_at(pair, (climb * climb, rest * rest), series, climb, tilt, SAVED_M_S)
+        way, _, _, _ = tilt_at(pair, (climb * climb, rest * rest), series, climb, tilt, SAVED_M_S)
         tilt = way.tilt
         form = shaped(pair, steering, way.delta_v, climb)
         delta_v, first, found = laid_out(pair, thrust, steering, form, climb, tilt)
