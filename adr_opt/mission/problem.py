@@ -178,9 +178,9 @@ class Problem(Shown, Prizes):
         stations = [name in instance.station_names for name in given.names]
         if np.isin(given.destination, np.flatnonzero(stations)).any():
             return False
-        spent = chaser.tank.spent_m_s + mission.reserve_m_s
+        spent = chaser.usable.spent_m_s + mission.reserve_m_s
         dearest = float(given.cost.max(initial=0.0))
-        return targets * dearest <= chaser.tank.delta_v_m_s - spent
+        return targets * dearest <= chaser.usable.delta_v_m_s - spent
 
     @cached_property
     def kind_of(self) -> tuple[int, ...]:

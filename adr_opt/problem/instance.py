@@ -327,9 +327,9 @@ class Instance(Shown, InstanceFile):
         :class:`adr_opt.kernels.rules.loads.Loads`.
         """
         return {
-            self.names.index(chaser.name): chaser.tank.spent_m_s
+            self.names.index(chaser.name): chaser.usable.spent_m_s
             for chaser in self.chasers
-            if chaser.tank.spent_m_s > 0.0 and not chaser.lacks_by_mass
+            if chaser.usable.spent_m_s > 0.0 and not chaser.lacks_by_mass
         }
 
     @property

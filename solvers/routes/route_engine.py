@@ -76,7 +76,7 @@ class RouteEngine:
         self._prize = prizes = np.array(problem.planning_prizes)
         self._targets = first + np.flatnonzero(prizes[first:] > 0.0)
         missions = problem.missions
-        tanks = [mission.chaser.tank for mission in missions]
+        tanks = [mission.chaser.usable for mission in missions]
         reserves = [mission.reserve_m_s for mission in missions]
         self._terms = EngineTerms(
             prizes,
