@@ -54,7 +54,7 @@ class Fate:
     mass_kg : float or None
         None where it is not known.
     released_s : float
-        When it is released; of a chaser the end of its last service or tow [s].
+        When it is released, or when it or its kit makes its last burn [s].
     perigee_m, apogee_m : float
         Altitudes of the orbit that it is left on [m].
     inclination_deg : float
