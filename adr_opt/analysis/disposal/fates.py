@@ -1,8 +1,8 @@
 """What becomes of every object that a plan releases, and of every chaser.
 
 Orbits at release are those of the plan. Lifetimes are those of the decay model at constant solar
-activity, low, mean and high: their spread is that of the Sun. A chaser is disposed of after its last
-service by a burn at an apogee, the cheapest that meets the rules and that its tank allows.
+activity, low, mean and high: their spread is that of the Sun. A chaser is disposed of after its
+last service by a burn at an apogee, the cheapest that meets the rules and that its tank allows.
 """
 
 from __future__ import annotations
@@ -147,7 +147,7 @@ def fates(
         if not 0.0 < value < math.inf:
             raise InputError(f"{what} = {value:g}: must be a positive number")
     if not instance.has_orbits or instance.given is not None:
-        raise InputError(f"{instance.name!r} has given connections, so that nobody knows its orbits")
+        raise InputError(f"{instance.name!r} has given connections: its orbits are not known")
     judge = _Rules(instance, years, most_uncontrolled_kg, debris or Debris(), kit_isp_s)
     return tuple(
         fate
@@ -255,9 +255,8 @@ class _Rules:
             if isinstance(tank, TankByMass) and mass_kg is not None:
                 propellant = mass_kg * -math.expm1(-delta_v / tank.exhaust_m_s)
             dry_kg = tank.dry_mass_kg if isinstance(tank, TankByMass) else None
-            fate = self._fate(
-                chaser.name, "chaser", chaser.name, dry_kg, None, left, (delta_v, propellant, left_m_s)
-            )
+            costs = delta_v, propellant, left_m_s
+            fate = self._fate(chaser.name, "chaser", chaser.name, dry_kg, None, left, costs)
             tried.append(fate)
             if fate.meets and delta_v <= left_m_s:
                 return fate

@@ -148,9 +148,7 @@ def _below(instance: Instance, time_s: float, position: Array) -> Array:
         root = math.sqrt(1.0 - squared * sine * sine)
         height = across * math.cos(latitude) + position[2] * sine - EQUATOR_M * root
         normal = EQUATOR_M / root
-        latitude = math.atan2(
-            position[2], across * (1.0 - squared * normal / (normal + height))
-        )
+        latitude = math.atan2(position[2], across * (1.0 - squared * normal / (normal + height)))
     longitude = math.atan2(position[1], position[0]) - angle - rate * time_s
     longitude = (math.degrees(longitude) + 180.0) % 360.0 - 180.0
     return np.array([time_s, math.degrees(latitude), longitude, height])

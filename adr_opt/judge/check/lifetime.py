@@ -63,9 +63,7 @@ def check_lifetime(
         )
 
 
-def is_uncontrolled(
-    instance: Instance, target: Target, towed: Towed | None, most_m: float
-) -> bool:
+def is_uncontrolled(instance: Instance, target: Target, towed: Towed | None, most_m: float) -> bool:
     """Whether an object that is too heavy for that is released with its perigee above a height."""
     most_kg, apsides = instance.mission.max_uncontrolled_kg, _released_m(target, towed)
     if most_kg is None or apsides is None:

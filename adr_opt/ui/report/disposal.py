@@ -20,16 +20,16 @@ from .text import fixed, number
 HOW = {"tow": "towed by", "kit": "kit of", "chaser": "chaser"}
 
 LIFETIMES = (
-    "Time until drag brings an object down, by the decay model with the densities of NRLMSIS 2.1 at "
-    "constant solar activity: low (F10.7 of 70), the mean of a cycle, and high (200). The mean is "
-    "what the rule is held against. An area over mass of 0.01 m²/kg is assumed where none is stated."
+    "Time until drag brings an object down, by the decay model with the densities of NRLMSIS 2.1 "
+    "at constant solar activity: low (F10.7 of 70), the mean of a cycle, and high (200). The rule "
+    "is held against the mean. An area over mass of 0.01 m²/kg is assumed where none is stated."
 )
 
 ENTRIES = (
-    f"Flown from the burn in gravity with harmonics up to J4, without air, down to the ground or to "
+    "Flown from the burn in gravity with harmonics up to J4, without air, down to the ground or to "
     f"the perigee. Entry is at {ENTRY_M / 1e3:g} km. The corridor is {2 * HALF_WIDTH_M / 1e3:g} km "
     f"wide; along the track it begins where a burn {BURN_ERROR:.0%} too large enters, and debris "
-    f"falls some hundreds of kilometres beyond. A burn at an apogee fixes the latitude of the "
+    "falls some hundreds of kilometres beyond. A burn at an apogee fixes the latitude of the "
     "perigee; its longitude follows from the revolution that is chosen."
 )
 
