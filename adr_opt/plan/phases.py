@@ -1,7 +1,8 @@
 """Phases of a mission: their order, labels and colours.
 
 See docs/model.md section 2. The colours are middle tones: each has at least three to one of
-contrast to white and to the dark background of the report.
+contrast to white and to the dark background of the report. Where bars are filled alike, they can be
+told apart by readers who lack one kind of cone.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Phase:
-    """A phase of a leg.
+    r"""A phase of a leg.
 
     Attributes
     ----------
@@ -23,32 +24,35 @@ class Phase:
         As ``#rrggbb``.
     begun_by : {"burn", "refined", ""}
         Whether burns of plans begin it, those of refined plans alone, or none.
+    pattern : {"", "/", "\\", "x", "-", "."}
+        What its bars are hatched with.
     """
 
     name: str
     label: str
     colour: str
     begun_by: str = "burn"
+    pattern: str = ""
 
 
 _known = [
-    Phase("wait", "wait", "#8490a0", ""),
-    Phase("hohmann-1", "first Hohmann", "#d4553f"),
+    Phase("wait", "wait", "#9e9184", ""),
+    Phase("hohmann-1", "first Hohmann", "#d61340"),
     # An arc of low thrust.
-    Phase("thrust", "thrust", "#e0641e", ""),
-    Phase("drift", "drift orbit", "#9c6b4a"),
-    Phase("phasing", "phasing", "#3f7fc4"),
-    Phase("co-elliptic", "to co-elliptic", "#1f9687"),
-    Phase("terminal", "terminal Hohmann", "#c07f12"),
-    Phase("approach", "approach", "#a765b8"),
+    Phase("thrust", "thrust", "#e0641e", "", "/"),
+    Phase("drift", "drift orbit", "#9c6b4a", pattern="-"),
+    Phase("phasing", "phasing", "#009ac3"),
+    Phase("co-elliptic", "to co-elliptic", "#5f6e74"),
+    Phase("terminal", "terminal Hohmann", "#de6612"),
+    Phase("approach", "approach", "#a26eff"),
     # All of a leg that has no burns, or of the refined burns that the plan has none for.
-    Phase("transfer", "transfer", "#5a78d8", "refined"),
-    Phase("service", "service", "#5f9438", ""),
-    Phase("refuelling", "refuelling", "#d2508f", ""),
+    Phase("transfer", "transfer", "#5a78d8", "refined", "\\"),
+    Phase("service", "service", "#227b45", ""),
+    Phase("refuelling", "refuelling", "#f01aa6", ""),
     # The way of an object down to the disposal orbit.
-    Phase("tow", "tow", "#6a6fb5"),
+    Phase("tow", "tow", "#6a6fb5", pattern="x"),
     # The way back of a chaser that has let an object go below its own least altitude.
-    Phase("return", "return", "#a06a35"),
+    Phase("return", "return", "#a06a35", pattern="."),
 ]
 
 PHASES: dict[str, Phase] = {phase.name: phase for phase in _known}

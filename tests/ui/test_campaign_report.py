@@ -103,7 +103,7 @@ def test_the_rest_is_coloured_by_chaser(mission: tuple[Instance, Plan]) -> None:
     instance, plan = mission
     colours, flown = chaser_colours(instance), tracks(instance, plan)
     assert not set(CHASERS) & set(COLOURS.values())
-    charts = [figures.altitude(instance, plan, flown), figures.orbits(instance, plan, flown)]
+    charts = [figures.altitude(instance, plan, flown)]
     if instance.dynamics == "j2":
         charts.append(figures.nodes(instance, plan, flown))
     for chart in charts:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -220,13 +220,50 @@ def test_a_flat_axis_is_refused_where_space_is_drawn(ax) -> None:
         plot.earth(ax)
 
 
+TO_XYZ = np.array(
+    [
+        [0.4124564, 0.3575761, 0.1804375],
+        [0.2126729, 0.7151522, 0.0721750],
+        [0.0193339, 0.1191920, 0.9503041],
+    ]
+)
+WITHOUT = {
+    "red": "0.152286 1.052583 -0.204868 0.114503 0.786281 0.099216 -0.003882 -0.048116 1.051998",
+    "green": "0.367322 0.860646 -0.227968 0.280085 0.672501 0.047413 -0.01182 0.04294 0.968881",
+    "blue": "1.255528 -0.076749 -0.178779 -0.078411 0.930809 0.147602 0.004733 0.691367 0.3039",
+    "none": "1 0 0 0 1 0 0 0 1",
+}
+"""Linear colours as seen without one kind of cones: Machado, Oliveira and Fernandes (2009)."""
+
+
+def linear(colour: str) -> np.ndarray:
+    """Linear red, green and blue of ``#rrggbb``."""
+    parts = np.array([int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)])
+    return np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+
+
+def in_lab(rgb: np.ndarray) -> np.ndarray:
+    """Linear colours in CIELAB, in which distances are differences that people see."""
+    share = np.clip(rgb, 0.0, 1.0) @ TO_XYZ.T / (TO_XYZ @ np.ones(3))
+    f = np.where(share > 216.0 / 24389.0, np.cbrt(share), (24389.0 / 27.0 * share + 16.0) / 116.0)
+    return np.array([116.0 * f[1] - 16.0, 500.0 * (f[0] - f[1]), 200.0 * (f[1] - f[2])])
+
+
+@pytest.mark.parametrize("cones", WITHOUT)
+def test_phases_are_told_apart_whatever_cones_an_eye_has(cones: str) -> None:
+    """Any two phases differ by a clear step of colour, or by what their bars are hatched with."""
+    eye = np.array(WITHOUT[cones].split(), dtype=float).reshape(3, 3)
+    seen = {name: in_lab(eye @ linear(phase.colour)) for name, phase in plot.PHASES.items()}
+    for (one, left), (other, right) in combinations(plot.PHASES.items(), 2):
+        if left.pattern == right.pattern:
+            assert np.linalg.norm(seen[one] - seen[other]) >= 15.0, (one, other)
+
+
 def test_colours_can_be_told_from_both_backgrounds() -> None:
     """Every phase has a label and a colour of its own with 3:1 of contrast on light and dark."""
 
     def luminance(colour: str) -> float:
-        parts = [int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)]
-        linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+        return float(TO_XYZ[1] @ linear(colour))
 
     assert set(plot.COLOURS) == set(plot.LABELS) == set(plot.PHASES)
     assert len(set(plot.COLOURS.values())) == len(plot.PHASES)

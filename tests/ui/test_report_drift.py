@@ -99,12 +99,10 @@ def test_the_drift_is_in_every_chart() -> None:
     """Altitude, timeline, nodes and path show the drift orbit; each leg has its two bars of ΔV."""
     instance, plan = (make() for make in MISSION)
     charts = data(page(instance, plan))["figures"]
-    assert set(charts) == {
-        *("altitude", "budget", "costs", "gantt", "lanes", "nodes", "orbits", "planes")
-    }
+    assert set(charts) == {*("altitude", "budget", "costs", "gantt", "lanes", "nodes", "planes")}
     for name, figure in charts.items():
         assert len(plotly_graph_objects.Figure(figure).data) >= 2, name
-    for name in ("altitude", "gantt", "nodes", "orbits"):
+    for name in ("altitude", "gantt", "nodes"):
         assert "drift" in {trace.get("meta", {}).get("phase") for trace in charts[name]["data"]}
     (level,) = (trace for trace in charts["altitude"]["data"] if trace["name"] == "drift orbit")
     start, end, _ = level["x"]
@@ -114,8 +112,6 @@ def test_the_drift_is_in_every_chart() -> None:
     assert planned["y"] == [round(leg.delta_v_m_s, 2) for leg in plan.legs]
     assert burned["y"] == [round(leg.burns_delta_v_m_s, 2) for leg in plan.legs]
     assert planned["y"][1] != burned["y"][1]
-    arrivals = charts["orbits"]["data"][-1]
-    assert arrivals["customdata"] == [1, 2]
 
 
 def test_nodes_show_what_is_near_the_chaser() -> None:

@@ -178,7 +178,7 @@ def test_the_page_shows_arcs_masses_and_times_of_thrust(tmp_path: Path) -> None:
     assert written.trouble is None
     text = (tmp_path / "a.html").read_text(encoding="utf-8")
     shown = data(text)
-    assert {"orbits", "altitude", "nodes", "mass", "lanes"} <= set(shown["figures"])
+    assert {"altitude", "nodes", "mass", "lanes"} <= set(shown["figures"])
     assert shown["motion"]["spirals"]
     for chart in ("orbits", "altitude", "mass"):
         assert f'id="{chart}"' in text

@@ -19,7 +19,7 @@ from adr_opt.problem.chasers import AtStation, InOrbit
 from adr_opt.problem.instance import Instance
 from adr_opt.ui.plot.gantt import segments
 from adr_opt.ui.report import page
-from adr_opt.ui.report.figures.orbits import planes
+from adr_opt.ui.report.figures.planes import planes
 
 
 def two_stations(tiny: Instance) -> Instance:

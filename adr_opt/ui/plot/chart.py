@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import DAY_S
+from ...plan.phases import PHASES
 
 POINT_PX = 0.75
 MARKS = {
@@ -65,7 +66,7 @@ def add(ax: Any, one: Series, said: str | None) -> None:
     elif isinstance(one, Marks):
         ax.plot(one.x, one.y, linestyle="none", **MARKS[one.symbol], **about)
     elif isinstance(one, Bars):
-        ax.barh(one.y, one.lengths, left=one.x, **about)
+        ax.barh(one.y, one.lengths, left=one.x, hatch=one.pattern, edgecolor="white", lw=0, **about)
     elif isinstance(one, Box):
         ax.fill_between(one.x, *one.y, alpha=0.25, linewidth=0.8, **about)
 
@@ -173,6 +174,11 @@ class Bars(Series):
 
     lengths: Values
     share: float = 0.72
+
+    @property
+    def pattern(self) -> str:
+        """What they are hatched with."""
+        return PHASES[self.phase].pattern if self.phase in PHASES else ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -22,7 +22,7 @@ def policy(*scripts: str) -> str:
 
 
 _ROOMS = """
-library state look charts access time spoken motion sun earth moving view ground closeup files
+library state look charts access time spoken motion sun earth moving ground globe view closeup files
 burns pictures main
 """
 ROOMS = tuple(_ROOMS.split())

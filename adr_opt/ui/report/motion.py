@@ -25,11 +25,13 @@ from ...problem.instance import Instance
 from ...problem.sun import greenwich, sun
 from ..plot.strands import DrawnArc, Track
 from ..plot.thrust_arcs import SpiralArc
-from .figures.orbits import kinds_shown
 from .text import in_chart
 
 STEERED = "drift"
 """Phase in which the argument of latitude is turned to that of the target."""
+
+MOST_RINGS = 200
+"""Maximum number of orbits drawn; beyond it, some of those not visited are omitted."""
 
 SAME_RAD = 1e-6
 """Difference of arguments of latitude up to which a chaser is at a body."""
@@ -156,7 +158,8 @@ def motion(instance: Instance, plan: Plan, drawn: tuple[DrawnArc, ...]) -> dict[
         and velocity [m/s] at the begin, pace and rate of the node [–, rad/s], as
         :class:`adr_opt.fly.trajectory.Arc` has them; if ``spirals`` is true, they are those of
         :func:`.spirals`. ``legs`` say whose they are, where they lead,
-        by number of the body, and when the chaser leaves, is at the stand-off and has docked [s].
+        by number of the body, what they cost [m/s], and when the chaser leaves, is at the
+        stand-off and has docked [s].
         ``keepOut`` is the radius around targets that a safety ellipse keeps out of, or None [m].
         ``sidereal`` is the angle of Greenwich at the epoch and its rate [rad, rad/s]; ``sun`` is as
         :class:`.Sun` has it.
@@ -197,6 +200,16 @@ def motion(instance: Instance, plan: Plan, drawn: tuple[DrawnArc, ...]) -> dict[
     }
 
 
+def kinds_shown(instance: Instance, plan: Plan) -> tuple[tuple[str, list[str]], ...]:
+    """Bodies whose orbits are drawn, by kind."""
+    names, visited = [target.name for target in instance.targets], set(plan.destinations)
+    return (
+        ("station", list(instance.station_names)),
+        ("visited", [name for name in names if name in visited]),
+        ("not visited", [name for name in names if name not in visited][:MOST_RINGS]),
+    )
+
+
 def _row(body: npt.NDArray[np.float64]) -> list[float]:
     return [float(element(body, EPOCH_S)) for element in ELEMENTS]
 
@@ -235,6 +248,7 @@ def _leg(leg: Leg, chaser: int, at: dict[str, int]) -> dict[str, Any]:
     return {
         "chaser": chaser,
         "to": at.get(leg.destination),
+        "cost_m_s": leg.delta_v_m_s,
         "leaves": leg.leaves_s,
         "standoff": leg.standoff_s,
         "docked": leg.docked_s,

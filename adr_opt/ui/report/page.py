@@ -289,7 +289,6 @@ def _data(
     }
     if is_moved:
         charts["altitude"] = figures.altitude(instance, plan, drawn)
-        charts["orbits"] = figures.orbits(instance, plan, drawn)
     if instance.has_low_thrust:
         charts["mass"] = figures.mass(instance, plan)
     if instance.has_orbits:

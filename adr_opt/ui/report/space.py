@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...common.wording import shortened
-from ...plan.phases import COLOURS, LABELS
+from ...plan.phases import COLOURS, LABELS, PHASES
 from ...plan.plan import Plan
 from ...plan.routes import routes_of, several
 from ...problem.instance import Instance
@@ -31,7 +31,8 @@ def phases(shown: list[str]) -> str:
     """The legend of all charts: a button per phase that hides and shows it."""
     return "".join(
         f'<button type="button" class="phase" aria-pressed="true" data-phase="{phase}">'
-        f'<i style="background:{COLOURS[phase]}"></i>{LABELS[phase]}</button>'
+        f'<i style="background-color:{COLOURS[phase]}" data-pattern="{PHASES[phase].pattern}"></i>'
+        f"{LABELS[phase]}</button>"
         for phase in shown
     )
 
@@ -56,7 +57,9 @@ def views(instance: Instance) -> str:
     )
     return (
         '<div class="controls views"><label>View <select id="view">'
-        f'<option value="">all orbits</option>{options}</select></label></div>\n'
+        f'<option value="">all orbits</option>'
+        f'<option value="legs">from leg to leg</option>{options}</select></label>'
+        '<button type="button" class="file" id="film" hidden>Film</button></div>\n'
     )
 
 
@@ -97,11 +100,13 @@ def globe(instance: Instance) -> str:
         return ""
     return (
         f'<section>\n<div class="heading"><h2>Orbits and {path_of(instance)}</h2>\n'
-        f'{views(instance)}</div>\n<div class="chart tall" id="orbits"></div>\n'
+        f'{views(instance)}</div>\n<div class="chart tall" id="orbits"><canvas></canvas>'
+        '<div class="tip" hidden></div></div>\n'
         "<details><summary>What is shown</summary><p>To scale, in the inertial frame of the "
-        f"elements: {said} Marks and the Earth are as they are at the time of the slider, with "
-        "day, night and, in orange, the line between them. Drag or arrow keys turn it; pinch, "
-        "scroll or + and − come nearer.</p></details>\n</section>"
+        f"elements: {said} Marks and the Earth are as they are at the time of the slider, with day "
+        "and night; once time goes on, what lies ahead is faint. Drag or arrow keys turn it; "
+        "pinch, + and −, or the wheel with Ctrl come nearer; a click on an arc or a target "
+        "chooses its leg.</p></details>\n</section>"
     )
 
 

@@ -215,6 +215,15 @@ def application(
             return JSONResponse({"error": str(error)}, status_code=404)
         return HTMLResponse(text, headers={"Content-Security-Policy": FRAMED})
 
+    async def file_of_result(request: Request) -> Response:
+        asked = request.query_params
+        try:
+            path = await run_in_threadpool(backend.file, asked.get("id", ""), asked.get("name", ""))
+        except InputError as error:
+            return JSONResponse({"error": str(error)}, status_code=404)
+        kind = "application/octet-stream"
+        return FileResponse(path, media_type=kind, filename=f"{asked['id']}-{path.name}")
+
     return Starlette(
         routes=[
             Route("/", page),
@@ -228,6 +237,7 @@ def application(
             Route("/events", events),
             Route("/report", report),
             Route("/results/page", page_of_result),
+            Route("/results/file", file_of_result),
             _told_of("/results/points", backend.points),
             Route("/export", exported),
             Route(UPLOAD, uploaded(backend), methods=["POST"]),
@@ -238,6 +248,7 @@ def application(
             _action("/undo", lambda text: session.undo()),
             _action("/redo", lambda text: session.redo()),
             _action("/plan", lambda text: session.plan(read_order(text))),
+            _action("/sample", lambda text: backend.sample()),
             _action("/stop", lambda text: session.stop()),
             _action("/worth", lambda text: backend.worth(read_request(WorthRequest, text))),
             _action("/choose", lambda text: backend.choose(read_request(ChooseRequest, text))),

@@ -11,6 +11,7 @@ from ...common.json_text import parse_json
 from ...common.wording import counted
 from ...run.methods import BOUNDS, PLANNERS, names
 from ...run.run_options import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
+from ...sources.generator import generate
 from .folder import archived
 from .forms.fields import form_fields
 from .jobs.queue import ANSWER, JobQueue
@@ -141,6 +142,19 @@ class Backend:
         place = self.session.results.place(record.number)
         return read_text(refuse_link(place / record.page))
 
+    def file(self, number: str, name: str) -> Path:
+        """A file that a verb has made, to be downloaded.
+
+        Raises
+        ------
+        InputError
+            There is no such result, or it has no such file.
+        """
+        record = self._record(number)
+        if name not in record.files:
+            raise InputError(f"result {record.number} ({record.verb}) has no file {name[:40]!r}")
+        return refuse_link(self.session.results.place(record.number) / name)
+
     def _record(self, number: str) -> ResultRecord:
         digits = number.isascii() and number.isdigit() and len(number) <= 6
         return self.session.results.record(int(number) if digits else 0)
@@ -180,6 +194,10 @@ class Backend:
         words = f"{counted(len(made.instance.targets), 'target')} chosen"
         self.session.begin_anew(made.instance, words)
         return made.to_dict()
+
+    def sample(self) -> None:
+        """Begin with a mission that is drawn at random, always the same."""
+        self.session.begin_anew(generate("nominal", 0), "sample mission opened")
 
     def begin(self, request: JobRequest) -> dict[str, Any]:
         """Begin a job; returns its number as JSON data."""

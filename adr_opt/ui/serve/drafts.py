@@ -194,6 +194,11 @@ def amount_of(chaser: Chaser) -> float:
     return tank.propellant_kg if isinstance(tank, TankByMass) else tank.delta_v_m_s
 
 
+def unit_of(chaser: Chaser) -> str:
+    """Unit of :func:`amount_of`."""
+    return "kg" if isinstance(chaser.tank, TankByMass) else "m/s"
+
+
 def _with_amount(chaser: Chaser, amount: float) -> Chaser:
     """A chaser with a full tank of this content, which also limits it at the start."""
     field = "propellant_kg" if isinstance(chaser.tank, TankByMass) else "delta_v_m_s"

@@ -6,6 +6,7 @@ import * as header from "./script/header.js";
 import * as jobs from "./script/jobs.js";
 import * as keys from "./script/keys.js";
 import * as limits from "./script/limits.js";
+import * as object from "./script/object.js";
 import * as objects from "./script/objects.js";
 import * as parts from "./script/parts.js";
 import * as planning from "./script/planning.js";
@@ -22,7 +23,7 @@ if (location.search) history.replaceState(null, "", "/");
 
 const rooms = [
   views, header, drop, choose, objects, limits, targets, parts, planning, replan, results, verbs, jobs,
-  frame, keys,
+  frame, keys, object,
 ];
 for (const room of rooms) room.start();
 views.onView((view) => {

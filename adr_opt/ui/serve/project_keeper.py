@@ -142,10 +142,12 @@ class PlannedRuns:
     Parameters
     ----------
     results : Results
+    words : callable
+        Names a variant of the mission by what it differs in; empty for the mission itself.
     """
 
-    def __init__(self, results: Results) -> None:
-        self._results = results
+    def __init__(self, results: Results, words: Callable[[Instance], str]) -> None:
+        self._results, self._words = results, words
         self._open: tuple[Instance, int, Path] | None = None
         self._best: Plan | None = None
         self._over = False
@@ -198,7 +200,8 @@ class PlannedRuns:
         """Keep a plan; if that fails, its run is still open with it."""
         if begun is not None:
             self._best, self._over = plan, True
-        record = self._results.keep_plan("solve", plan.method, instance, plan, begun, **more)
+        label = ": ".join(filter(None, (plan.method, self._words(instance))))
+        record = self._results.keep_plan("solve", label, instance, plan, begun, **more)
         if begun is not None:
             self._open, self._best, self._over = None, None, False
         return record

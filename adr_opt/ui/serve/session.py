@@ -21,6 +21,7 @@ from .project.results import Results
 from .project_keeper import PlannedRuns, ProjectKeeper, forget_unused, restored
 from .project_keeper import run_told as told
 from .shown_plan import ShownPlan
+from .variants import differences
 
 
 class EditingSession:
@@ -63,7 +64,8 @@ class EditingSession:
             admit(instance, plan)
         self._lock = threading.RLock()
         self.folder = folder
-        self._shown, self._runs = ShownPlan(folder.results), PlannedRuns(folder.results)
+        self._shown = ShownPlan(folder.results)
+        self._runs = PlannedRuns(folder.results, self._variant)
         self._keeper = ProjectKeeper(folder)
         self._trouble = ""
         self._ended_with: int | None = None  # the result of the last run
@@ -256,6 +258,13 @@ class EditingSession:
                 "of_last_run": self._shown.visible in (None, self._ended_with),
                 "trouble": self._trouble,
             }
+
+    def _variant(self, instance: Instance) -> str:
+        """What an instance differs in from the mission as it came."""
+        with self._lock:
+            if not self._history.has_mission:
+                return ""
+            return differences(self._history.base.field, instance)
 
     def _go(self, move: Callable[[], bool]) -> None:
         """Switch to another draft, and to its plan if there is one."""

@@ -9,9 +9,8 @@ from typing import Any, get_args
 from ...common.errors import InputError
 from ...common.wording import proof_words
 from ...plan.plan import Plan
-from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
-from .drafts import Draft, Part, amount_of
+from .drafts import Draft, Part, amount_of, unit_of
 from .history import History
 from .planning import in_percent
 from .project.results import Results
@@ -159,7 +158,7 @@ def told(history: History, shown: tuple[Instance, Plan] | None, number: int) -> 
                 "name": chaser.name,
                 "amount": amount_of(chaser),
                 "first": first.get(chaser.name, amount_of(chaser)),
-                "unit": "kg" if isinstance(chaser.tank, TankByMass) else "m/s",
+                "unit": unit_of(chaser),
                 "delta_v_m_s": chaser.tank.delta_v_m_s,
             }
             for chaser in field.chasers

@@ -8,7 +8,7 @@ Colours of text and grids are left to
 the page, which knows whether it is light or dark.
 """
 
-from .orbits import orbits, planes
 from .over_time import altitude, budget, costs, gantt, lanes, mass, nodes
+from .planes import planes
 
-__all__ = ["altitude", "budget", "costs", "gantt", "lanes", "mass", "nodes", "orbits", "planes"]
+__all__ = ["altitude", "budget", "costs", "gantt", "lanes", "mass", "nodes", "planes"]

@@ -77,6 +77,8 @@ def trace(one: Series, chart: Chart) -> dict[str, Any]:
     if isinstance(one, Bars):
         made |= {"orientation": "h", "base": x, "x": column(one.lengths, chart.x.digits)}
         made["width"] = one.share
+        if one.pattern:
+            made["marker"]["pattern"] = {"shape": one.pattern, "size": 6, "fillmode": "overlay"}
     return made
 
 

@@ -34,10 +34,6 @@ function layout(name) {
     legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom" },
     uirevision: given.uirevision ?? "kept",
   };
-  if (given.scene) {
-    made.margin = { l: 0, r: 0, t: 0, b: 0 };
-    return made;
-  }
   made.dragmode = coarse ? false : "zoom"; // a finger scrolls the page
   made.hovermode = "closest";
   made.xaxis = axis(given.xaxis);

@@ -13,6 +13,11 @@ function choose(leg) {
   return drawAgain();
 }
 
+// A page that the report is part of is told which object was clicked.
+function told(name) {
+  if (parent !== window) parent.postMessage({ object: name }, "*");
+}
+
 // What is zoomed in one chart of times is zoomed in all of them.
 let following = false;
 function follow(name, event) {
@@ -55,7 +60,7 @@ function listen() {
       if (off) hidden.add(phase);
       else hidden.delete(phase);
       button.setAttribute("aria-pressed", String(!off));
-      drawAgain(["lanes", "altitude", "nodes", "gantt", "orbits"]);
+      drawAgain(["lanes", "altitude", "nodes", "gantt"]);
     });
   }
   for (const name of timed) {
@@ -63,6 +68,9 @@ function listen() {
   }
   for (const name of ["lanes", "gantt", "costs"].filter((name) => name in figures)) {
     box(name).on("plotly_click", (event) => choose(event.points[0].customdata));
+  }
+  if (figures.planes) {
+    box("planes").on("plotly_click", ({ points: [{ id }] }) => id && told(id));
   }
   for (const query of [dark, narrow]) {
     query.addEventListener("change", async () => {
@@ -74,7 +82,7 @@ function listen() {
 
 // Charts are as wide as the window; on paper they are as wide as what A4 and letters have room for.
 const PAPER_PX = 690;
-const PAPER_HEIGHT_PX = { orbits: 380, budget: 220, ground: PAPER_PX / 2 };
+const PAPER_HEIGHT_PX = { budget: 220, ground: PAPER_PX / 2 };
 const onPaper = (width) => Promise.all(
   [...document.querySelectorAll(".chart")].filter((chart) => chart.data?.length).map((chart) => {
     const own = chart.classList.contains("own") ? chart.layout.height : undefined;
@@ -83,13 +91,17 @@ const onPaper = (width) => Promise.all(
   }),
 );
 
-// One chart per task, so that the page can be scrolled in between; the orbits, which take
-// longest, when everything else works and they come near the window.
+// One chart per task, so that the page can be scrolled in between; the globe comes first.
 const pause = () => new Promise((done) => setTimeout(done));
 const mark = (what) => {
   document.documentElement.dataset[what] = String(Math.round(performance.now()));
 };
 async function begin() {
+  if (box("orbits")) {
+    madeReachable(box("orbits"));
+    showGlobe();
+    await pause();
+  }
   for (const name of quick) {
     await draw(name);
     await pause();
@@ -111,15 +123,6 @@ async function begin() {
     await view.show();
     await pause();
   }
-  if (!("orbits" in figures)) {
-    mark("complete");
-    return;
-  }
-  const near = new IntersectionObserver((entries) => {
-    if (!entries.some((entry) => entry.isIntersecting)) return;
-    near.disconnect();
-    draw("orbits").then(() => mark("complete"));
-  }, { rootMargin: "400px" });
-  near.observe(box("orbits"));
+  mark("complete");
 }
 await begin();

@@ -1,9 +1,7 @@
-// Marks that move among the orbits, and the table of where the chasers are.
+// Marks that move, and the table of where the chasers are.
 const MARKS = { station: 9, visited: 6, "not visited": 4 };
 const MOST_TOLD = 3; // chasers, of which the spoken text says where they are
 const GOAL = 10; // where the leg leads
-
-const kilometres = (points) => [0, 1, 2].map((axis) => points.map((r) => r[axis] / 1000));
 
 // Chasers that are somewhere, with their states.
 const present = () =>
@@ -37,35 +35,6 @@ function marks() {
       edges: chasers.map(() => 1.5),
     },
   ];
-}
-
-function moving() {
-  return marks().map(({ at, text, colours, sizes }, which) => {
-    const [x, y, z] = kilometres(at);
-    return {
-      type: "scatter3d", mode: "markers", name: ["bodies now", "chasers now"][which],
-      showlegend: false, x, y, z, text, hovertemplate: "%{text}<extra></extra>",
-      marker: {
-        color: colours, size: sizes, opacity: 1, symbol: which ? "diamond" : "circle",
-        line: { width: which ? 2 : 0, color: colour("text") },
-      },
-    };
-  });
-}
-
-async function moveInOrbits() {
-  const chart = box("orbits");
-  if (drawsWith() !== "") await daylight(chart);
-  const count = chart.data.length;
-  let moved = [...earthLines(), ...moving()];
-  if (drawsWith() === "") moved = flat(moved);
-  const update = { x: moved.map(({ x }) => x), y: moved.map(({ y }) => y) };
-  if (drawsWith() !== "") update.z = moved.map(({ z }) => z);
-  update.text = moved.map(({ text }) => text);
-  update["marker.color"] = moved.map(({ marker }) => marker?.color);
-  update["marker.size"] = moved.map(({ marker }) => marker?.size);
-  const traces = moved.map((_, at) => count - moved.length + at);
-  return Plotly.update(chart, update, viewNow(), traces);
 }
 
 // Lengths in metres below ten kilometres.
@@ -119,7 +88,6 @@ function status() {
 }
 
 if (motion) {
-  if (figures.orbits) views.push({ chart: "orbits", show: moveInOrbits });
   views.push({ show: status });
   if (motion.chasers.length <= MOST_TOLD) tellers.push(whereabouts);
   stages.push(() => present().map(({ phase }) => phase).join());

@@ -17,6 +17,7 @@ function legended(data) {
 }
 
 async function picture(name) {
+  if (name === "orbits") return globePicture(SLIDE.width, HEIGHT);
   const { data, layout: shown } = box(name);
   const traced = legended(data);
   const taken = {
@@ -30,10 +31,10 @@ async function picture(name) {
 }
 
 async function pictureFiles(told) {
-  if ("orbits" in figures && !drawn.has("orbits")) await draw("orbits");
   for (const { chart, show: view } of views) if (chart) await view();
   const names = [...document.querySelectorAll(".chart")].map(({ id }) => id)
-    .filter((name) => box(name).data?.length);
+    
+    .filter((name) => name === "orbits" || box(name).data?.length);
   const files = [];
   for (const name of names) {
     told(files.length + 1, names.length);

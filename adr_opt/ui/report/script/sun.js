@@ -1,5 +1,5 @@
-// Day and night: the direction of the Sun, the line between them, and the shadow of the Earth, which
-// is a cylinder.
+// Day and night: the direction of the Sun, night on the map, and the shadow of the Earth, which is a
+// cylinder.
 const MERIDIANS = 121; // of the line on the map
 const LEAST_TILT = 1e-5; // of the Sun over the equator, at which the line is drawn
 
@@ -35,26 +35,4 @@ function night(time) {
     Math.atan(-Math.cos((east - longitude) * Math.PI / 180) / tangent) * 180 / Math.PI);
   const pole = tangent > 0 ? -90 : 90;
   return { x: [...x, 180, -180, x[0]], y: [...y, pole, pole, y[0]], sun: { latitude, longitude } };
-}
-
-// The great circle between day and night, in the frame of the elements.
-function terminator(time, radius) {
-  const sun = sunDirection(time);
-  const level = Math.hypot(sun[0], sun[1]);
-  const side = [-sun[1] / level, sun[0] / level, 0];
-  const other = cross(sun, side);
-  return Array.from({ length: 73 }, (_, at) => {
-    const angle = 2 * Math.PI * at / 72;
-    return sum(scaled(side, radius * Math.cos(angle)), scaled(other, radius * Math.sin(angle)));
-  });
-}
-
-// Colours of points of the globe, from day to night over twilight, as [r, g, b].
-const DAY = [150, 178, 202];
-const NIGHT = [66, 84, 104];
-const TWILIGHT = Math.sin(12 * Math.PI / 180); // how far the Sun is below the horizon in the dark
-function shade(r, sun) {
-  const height = dot(r, sun) / size(r);
-  const share = Math.min(1, Math.max(0, 1 + height / TWILIGHT));
-  return DAY.map((part, at) => Math.round(share * part + (1 - share) * NIGHT[at]));
 }

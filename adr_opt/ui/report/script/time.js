@@ -6,6 +6,7 @@ const quiet = matchMedia("(prefers-reduced-motion: reduce)");
 const QUIET_MS = 1000; // between two pictures for who wants little motion
 const views = []; // what moves: { chart, show }, show may give a promise
 const seen = new Set(); // charts near the window
+const stops = []; // what else ends when time is no longer played
 
 const pad = (value) => String(value).padStart(2, "0");
 
@@ -131,6 +132,7 @@ function pausePlay() {
   cancelAnimationFrame(playing);
   clearTimeout(playing);
   playing = null;
+  for (const end of stops.splice(0)) end();
   const button = box("play");
   button.textContent = "▶";
   button.setAttribute("aria-label", "play");

@@ -1,82 +1,74 @@
-// The view of the orbits: turned by keys, or behind a chaser that it follows.
+// The view of the globe: turned by pointers and keys, behind a chaser, or from leg to leg.
 const TURN = Math.PI / 18; // by a key
 const HIGHEST = 1.5; // of the eye over the equator [rad]
 const NEARER = 1.25; // by a key
-const BESIDE = 0.9; // how far the eye that follows is to the side of the orbit, for one above it
-const NEAR = 2.6; // times as near as the whole
-let followed = null; // number of the chaser
+const NEAR = 2.6; // times as near as the whole, behind a chaser
+const ASIDE = 55 / HALF_TURN; // of the eye from the normal of an orbit
+const SETTLES_MS = 500; // in which the way to another view is halved
+const camera = { eye: [1, 0, 0], up: [0, 0, 1], centre: [0, 0, 0], nearer: 1, follows: "", last: 0 };
 
-const scale = { whole: 0, now: 0 }; // of the scene: size of its box
+const unit = (a) => scaled(a, 1 / size(a));
 
-// From kilometres to the coordinates of the scene's camera.
-const inScene = (r) => {
-  const [, farthest] = figures.orbits.layout.scene.xaxis.range;
-  return scaled(r, scale.now / (2000 * farthest));
-};
-
-const vector = ([x, y, z]) => ({ x, y, z });
-
-// The chaser in the middle, flying across the picture, with the Earth below it.
-function cameraBeside({ r, v }) {
-  const up = scaled(r, 1 / size(r));
-  const normal = cross(r, v);
-  const side = scaled(normal, 1 / size(normal));
-  const toEye = sum(up, scaled(side, BESIDE));
-  const at = inScene(r);
-  return {
-    ...figures.orbits.layout.scene.camera, up: vector(up), center: vector(at),
-    eye: vector(sum(at, scaled(toEye, 1.8 / size(toEye)))),
-  };
+// To the right, up, and towards the eye.
+function axes() {
+  const eye = unit(camera.eye);
+  const right = unit(cross(camera.up, eye));
+  return [right, cross(eye, right), eye];
 }
 
-const enlarged = (by) => {
-  scale.now = by;
-  return { "scene.aspectratio": { x: by, y: by, z: by } };
-};
+// At an angle to the normal of an orbit, over a place of it.
+const over = (state, place) =>
+  sum(scaled(unit(cross(state.r, state.v)), Math.cos(ASIDE)), scaled(unit(place), Math.sin(ASIDE)));
 
-// Without WebGL the drawing is moved, and seen from where it was.
-function flatBeside({ r }) {
-  const [right, up] = flatAxes();
-  const [, farthest] = figures.orbits.layout.scene.xaxis.range;
-  const [x, y] = [dot(r, right) / 1000, dot(r, up) / 1000];
-  const room = farthest / NEAR;
-  return { "xaxis.range": [x - room, x + room], "yaxis.range": [y - room, y + room] };
+function whole() {
+  const first = motion.chasers.find(({ arcs }) => arcs.length);
+  if (!first) return;
+  const state = arcState(first.arcs[0], first.arcs[0][BEGIN]);
+  const node = cross([0, 0, 1], cross(state.r, state.v));
+  camera.eye = sum(over(state, size(node) > 0 ? node : state.r), [0, 0, 0.25]);
+  Object.assign(camera, { up: [0, 0, 1], centre: [0, 0, 0], nearer: 1 });
 }
 
-// Changes of the layout at the time that is shown.
-function viewNow() {
-  const state = followed === null ? null : chaserState(motion.chasers[followed], time);
-  if (!state) return {};
-  return drawsWith() === "" ? flatBeside(state) : { "scene.camera": cameraBeside(state) };
+// Turns the eye to where it is wanted, smoothly while time is played; says whether it is on its way.
+function turnTo(wanted) {
+  const now = performance.now();
+  const share = quiet.matches ? 1 : 1 - 2 ** (-Math.min(now - camera.last, 100) / SETTLES_MS);
+  camera.last = now;
+  const eye = unit(camera.eye);
+  const off = Math.acos(Math.min(1, Math.max(-1, dot(eye, unit(wanted)))));
+  camera.eye = off < 1e-3 ? unit(wanted) : sum(scaled(eye, 1 - share), scaled(unit(wanted), share));
+  return off >= 1e-3;
 }
 
-function seeFrom(camera) {
-  figures.orbits.layout.scene.camera = camera;
-  if (drawsWith() === "") return draw("orbits");
-  return Plotly.relayout(box("orbits"), { "scene.camera": camera });
+// Moves the camera with what it follows; says whether it is on its way.
+function moveCamera() {
+  if (camera.follows === "") return false;
+  if (camera.follows === "legs") {
+    const leg = legShown();
+    const { chaser, docked } = motion.legs[Math.max(leg, 1) - 1];
+    const state = chaserState(motion.chasers[chaser], docked);
+    return state ? turnTo(over(state, state.r)) : false;
+  }
+  const state = chaserState(motion.chasers[Number(camera.follows)], time);
+  if (!state) return false;
+  // The chaser in the middle, flying across the picture, with the Earth below it.
+  const up = unit(state.r);
+  const side = unit(cross(state.r, state.v));
+  Object.assign(camera, { up, eye: sum(scaled(up, 0.75), side), centre: state.r, nearer: NEAR });
+  return playing !== null;
 }
 
 function turnedBy(east, north) {
-  const camera = drawsWith() === "" ? figures.orbits.layout.scene.camera
-    : box("orbits")._fullLayout.scene.camera;
-  const { x, y, z } = camera.eye;
-  const length = Math.hypot(x, y, z);
+  const [x, y, z] = unit(camera.eye);
   const around = Math.atan2(y, x) + east;
-  const height = Math.min(HIGHEST, Math.max(-HIGHEST, Math.asin(z / length) + north));
-  const level = length * Math.cos(height);
-  return seeFrom({
-    ...figures.orbits.layout.scene.camera,
-    eye: vector([level * Math.cos(around), level * Math.sin(around), length * Math.sin(height)]),
-  });
+  const height = Math.min(HIGHEST, Math.max(-HIGHEST, Math.asin(z) + north));
+  camera.eye = [Math.cos(height) * Math.cos(around), Math.cos(height) * Math.sin(around), Math.sin(height)];
+  return show();
 }
 
 function comeNearer(by) {
-  if (drawsWith() !== "") return Plotly.relayout(box("orbits"), enlarged(scale.now * by));
-  const { xaxis, yaxis } = box("orbits")._fullLayout;
-  const nearer = ([low, high]) => [low, high].map((end) => (low + high + (2 * end - low - high) / by) / 2);
-  return Plotly.relayout(box("orbits"), {
-    "xaxis.range": nearer(xaxis.range), "yaxis.range": nearer(yaxis.range),
-  });
+  camera.nearer = Math.min(40, Math.max(0.5, camera.nearer * by));
+  return show();
 }
 
 const keys = {
@@ -85,34 +77,77 @@ const keys = {
   "+": () => comeNearer(NEARER), "=": () => comeNearer(NEARER), "-": () => comeNearer(1 / NEARER),
 };
 
-async function followChaser(which) {
-  followed = which;
-  if (!drawn.has("orbits")) return;
-  const whole = which === null;
-  if (drawsWith() !== "") {
-    await Plotly.relayout(box("orbits"), enlarged(whole ? scale.whole : NEAR * scale.whole));
-    if (whole) await seeFrom({ ...figures.orbits.layout.scene.camera, center: vector([0, 0, 0]) });
-  } else if (whole) {
-    await Plotly.relayout(box("orbits"), { "xaxis.autorange": true, "yaxis.autorange": true });
-  }
-  await Plotly.relayout(box("orbits"), viewNow());
-}
-
 function listenToView() {
-  if (!motion || !figures.orbits) return;
   const chart = box("orbits");
-  chart.tabIndex = 0;
+  if (!chart) return;
+  const tip = chart.querySelector(".tip");
+  const pointers = new Map();
+  let moved = 0;
+  const placed = ({ clientX, clientY }) => {
+    const { left, top } = chart.getBoundingClientRect();
+    return [clientX - left, clientY - top];
+  };
+  chart.addEventListener("pointerdown", (event) => {
+    pointers.set(event.pointerId, placed(event));
+    moved = 0;
+  });
+  chart.addEventListener("pointermove", (event) => {
+    const [before, now] = [pointers.get(event.pointerId), placed(event)];
+    if (!before) {
+      const found = nearest(...now);
+      tip.hidden = !found;
+      if (!found) return;
+      tip.textContent = found.said;
+      tip.style.transform = `translate(${now[0] + 12}px, ${now[1] + 12}px)`;
+      return;
+    }
+    const others = [...pointers].filter(([id]) => id !== event.pointerId);
+    pointers.set(event.pointerId, now);
+    const [across, up] = [now[0] - before[0], now[1] - before[1]];
+    moved += Math.hypot(across, up);
+    if (moved < 4) return;
+    chart.setPointerCapture(event.pointerId);
+    if (others.length) {
+      const away = ([x, y]) => Math.hypot(x - others[0][1][0], y - others[0][1][1]);
+      comeNearer(away(now) / Math.max(away(before), 1));
+    } else turnedBy(-across / 150, up / 150);
+  });
+  for (const kind of ["pointerup", "pointercancel", "pointerleave"]) {
+    chart.addEventListener(kind, (event) => {
+      pointers.delete(event.pointerId);
+      if (kind === "pointerleave") tip.hidden = true;
+    });
+  }
+  chart.addEventListener("click", (event) => {
+    const found = moved < 4 && nearest(...placed(event));
+    if (!found) return;
+    if (found.leg) choose(found.leg === chosen ? 0 : found.leg);
+    if (found.name) told(found.name);
+  });
+  chart.addEventListener("wheel", (event) => {
+    if (!event.ctrlKey && document.activeElement !== chart) return;
+    event.preventDefault();
+    comeNearer(1.0015 ** -event.deltaY);
+  }, { passive: false });
   chart.addEventListener("keydown", (event) => {
     const does = keys[event.key];
     if (event.target !== chart || !does || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
-    if (drawn.has("orbits")) does();
+    does();
   });
-  box("view").addEventListener("change", ({ target }) =>
-    followChaser(target.value === "" ? null : Number(target.value)));
+  box("view").addEventListener("change", ({ target }) => {
+    if (target.value === "" || target.value === "legs") whole();
+    camera.follows = target.value;
+    show();
+  });
+  new ResizeObserver(() => show()).observe(chart);
+  const button = box("film");
+  button.hidden = typeof MediaRecorder === "undefined" || !MediaRecorder.isTypeSupported("video/webm");
+  button.addEventListener("click", film);
 }
 
-if (motion && figures.orbits) {
-  scale.whole = figures.orbits.layout.scene.aspectratio.x;
-  scale.now = scale.whole;
+if (motion && box("orbits")) {
+  whole();
+  const chart = box("orbits");
+  chart.tabIndex = 0;
 }

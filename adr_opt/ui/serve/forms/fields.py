@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any, NamedTuple, get_args
 
+from ....common.constants import DAY_S
 from ....problem.instance import Instance
 from ..drafts import Part
 
@@ -67,7 +68,7 @@ WORDS = {
     "max_propellant_kg": FieldWords("Propellant in stock", "empty for no limit"),
     "object_id": FieldWords("Designator", "international, such as 1997-051C"),
     "duration_s": FieldWords("Duration", "latest end of all services"),
-    "service_revolutions": FieldWords("Time at a target", "in its periods; or in seconds below"),
+    "service_revolutions": FieldWords("Time at a target", "in its periods; or in minutes below"),
     "service_s": FieldWords("Time at a target", "in place of revolutions"),
     "refuel_revolutions": FieldWords("Time to refuel", "in periods of the station"),
     "disposal": FieldWords("Disposal orbit", "to which objects are towed"),
@@ -119,6 +120,37 @@ NOT_EDITED = {"given", "decay_m_per_day"}
 """Fields that no form shows: they refer to files, or come from fits."""
 
 
+DAYS, MINUTES, KILOMETRES = ("d", DAY_S), ("min", 60.0), ("km", 1000.0)
+SHOWN = {
+    "available_s": DAYS,
+    "duration_s": DAYS,
+    "window_s": DAYS,
+    "launch_separation_s": DAYS,
+    "mission_separation_s": DAYS,
+    "drift_step_s": DAYS,
+    "max_drift_s": DAYS,
+    "max_leg_s": DAYS,
+    "service_s": MINUTES,
+    "departure_spacing_s": MINUTES,
+    "semi_major_axis_m": KILOMETRES,
+    "circle_m": KILOMETRES,
+    "perigee_m": KILOMETRES,
+    "min_altitude_m": KILOMETRES,
+    "max_altitude_m": KILOMETRES,
+}
+"""Units that people use in place of those of files, and how much one of each is."""
+
+SELDOM = {
+    *("argument_of_perigee_deg", "true_anomaly_deg", "available_s", "max_targets", "expense"),
+    *("max_visits_between_refuels", "initial_delta_v_m_s", "initial_propellant_kg", "fixed"),
+    *("kit_mass_kg", "per_kg", "per_kg_squared", "thrust_n", "duty_cycle", "object_id"),
+    *("service_s", "refuel_revolutions", "launch_separation_s", "mission_separation_s"),
+    *("first_leg_fraction", "standoff_m", "delta_v_resolution_m_s", "departure_spacing_s"),
+    *("drift_step_s", "mass_class", "max_leg_s", "inspection_revolutions"),
+}
+"""Fields that forms show only where more is asked for."""
+
+
 def unit_of(name: str) -> str:
     """Unit of a field by its name; empty if it has none."""
     return next((unit for end, unit in UNITS if name.endswith(end)), "")
@@ -144,7 +176,8 @@ def form_fields() -> list[dict[str, Any]]:
     """Fields of all parts that forms edit, as JSON data.
 
     Each has ``part``, ``path`` (names between points, within a chaser or a station for those
-    parts), ``label``, ``unit``, ``kind``, ``least``, ``most``, ``default``, ``help``,
+    parts), ``label``, ``unit``, ``by`` (what one of the unit is in that of the file), ``seldom``
+    (whether it stands under *More*), ``kind``, ``least``, ``most``, ``default``, ``help``,
     ``optional`` (whether null is allowed), ``whole`` (of a number), ``choices`` (of a choice), and
     ``of``, the choice to which a field belongs: ``[PATH, VALUE]``, or null.
     """
@@ -224,10 +257,13 @@ def _kinds(content: Schema) -> list[Schema]:
 def _told(path: str, kind: str, of: list[str] | None, **more: Any) -> dict[str, Any]:
     name = path.rpartition(".")[2]
     words = WORDS[name]
+    unit, by = SHOWN.get(name, (unit_of(name), 1.0))
     return {
         "path": path,
         "label": words.label,
-        "unit": unit_of(name),
+        "unit": unit,
+        "by": by,
+        "seldom": name in SELDOM,
         "kind": kind,
         "least": None,
         "most": None,

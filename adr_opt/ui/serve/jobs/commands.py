@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ....analysis.trade.axes import KINDS
 from ....common.errors import InputError
@@ -79,7 +79,7 @@ class JobInputs:
         options = words_of(verb.options, request.options)
         read = self._files(verb, request, place)
         outputs = [
-            f"{each.sign}={self._named(place / each.file)}"
+            f"{each.sign}={self._named(place / each.file.format_map(_values(verb, request)))}"
             for each in verb.outputs
             if each.asked_by is None or request.options.get(each.asked_by)
         ]
@@ -107,7 +107,7 @@ class JobInputs:
         used = [*plans]
         if request.verb == "report" and refined:
             files.append(f"--refined={self._of(refined[0], REFINED)}")
-        if refined and request.verb in ("report", "fly"):
+        if refined and request.verb in ("report", "fly", "export"):
             used.append(refined[0])
         if "certificate" in verb.needs:
             certificate = self._certificate(given, plans[0])
@@ -172,6 +172,11 @@ class JobInputs:
 
     def _named(self, path: Path) -> str:
         return str(path.relative_to(self._folder))
+
+
+def _values(verb: JobVerb, request: JobRequest) -> dict[str, Any]:
+    """Options of a request, with the defaults of others."""
+    return {option.name: option.default for option in verb.options} | request.options
 
 
 def _verb(request: JobRequest) -> JobVerb:

@@ -26,7 +26,7 @@ class JobOutput(NamedTuple):
     sign : str
         The option that names it.
     file : str
-        Its name in the folder of the result.
+        Its name in the folder of the result; what stands in braces is the value of an option.
     asked_by : str or None
         The flag of the page that asks for it; None if it is always made.
     """
@@ -94,6 +94,8 @@ VARIED = "give a range as NAME=LOW:HIGH:STEP, or values as NAME=VALUE,VALUE"
 
 GRAVITIES = ("two-body", "j2", "j3", "j4")
 OF_GRAVITY = "zonal harmonics up to this one; by default those of the instance"
+FLIGHTS = ("oem", "opm", "ocm", "czml", "script")
+OF_FLIGHTS = "CCSDS messages of states or burns, CZML for Cesium, or a script for GMAT"
 OF_BURNS = "free: least ΔV at any times; planned: the plan's own, changed little"
 OF_FORCES = "of a refined plan: its own field, or all forces"
 OF_ACTIVITY = "on which the density of the air depends"
@@ -125,6 +127,15 @@ VERBS: dict[str, JobVerb] = {
         ),
     ),
     "check": JobVerb("Check", ("plan",)),
+    "export": JobVerb(
+        "Export flight",
+        ("plan or refined",),
+        (
+            choice("format", "Format", FLIGHTS, "oem", help=OF_FLIGHTS),
+            text("chaser", "Chaser", pattern=NAMES, help="which, where there are several"),
+        ),
+        (JobOutput("--out", "flight.{format}"),),
+    ),
     "verify": JobVerb(
         "Verify",
         ("plan", "certificate"),

@@ -26,6 +26,7 @@ def of_plan(admitted: Admitted[Plan]) -> dict[str, Any]:
     """Fields of a record that a plan tells."""
     instance, plan = admitted.instance, admitted.plan
     targets = {target.name for target in instance.targets}
+    visited = tuple(name for name in plan.destinations if name in targets)
     return {
         "instance_sha256": plan.instance.sha256,
         "plan_sha256": plan.legs_sha256,
@@ -33,7 +34,8 @@ def of_plan(admitted: Admitted[Plan]) -> dict[str, Any]:
         "bound": plan.upper_bound,
         "gap": plan.gap,
         "delta_v_m_s": plan.delta_v_m_s,
-        "targets": len(targets & set(plan.destinations)),
+        "targets": len(set(visited)),
+        "visited": visited,
         "status": plan.status if admitted.holds else NOT_LEGAL,
     }
 

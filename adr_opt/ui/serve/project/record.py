@@ -114,7 +114,7 @@ class ProjectRecord(Record):
 
 RESULT_FORMAT: Literal["adr-opt-result/1"] = "adr-opt-result/1"
 
-_KEPT = "bound check compare fly refine rehearse replan report solve tradeoff verify worth"
+_KEPT = "bound check compare export fly refine rehearse replan report solve tradeoff verify worth"
 KEPT_VERBS = frozenset(_KEPT.split())
 """Verbs whose results are kept; any other folder among the results is not the project's."""
 
@@ -143,6 +143,8 @@ class ResultRecord(Record):
         Names of all files beside this one.
     objective, bound, gap, delta_v_m_s, targets, status
         Figures, as far as there are any.
+    visited : tuple of str
+        Targets of the plan.
     """
 
     format: Literal["adr-opt-result/1"] = RESULT_FORMAT
@@ -163,6 +165,7 @@ class ResultRecord(Record):
     gap: float | None = None
     delta_v_m_s: float | None = None
     targets: int | None = None
+    visited: Annotated[tuple[str, ...], Field(strict=False)] = ()
     status: str | None = None
 
     @property

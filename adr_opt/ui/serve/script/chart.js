@@ -18,7 +18,7 @@ export function drawChart(work) {
   chart.replaceChildren();
   if (!work || !work.points.length) {
     chart.append(drawn("text", { x: width / 2, y: HEIGHT / 2, "text-anchor": "middle" },
-      "incumbent and bound come here"));
+      "best plan and bound come here"));
     return;
   }
   const lines = ["incumbent", "bound"].map((name, at) => ({
@@ -66,7 +66,7 @@ export function drawChart(work) {
   }
   const names = drawn("text", { x: right, y: 11, "text-anchor": "end" });
   names.append(
-    drawn("tspan", { class: "name-incumbent" }, "incumbent"), "\u2003",
+    drawn("tspan", { class: "name-incumbent" }, "best plan"), "\u2003",
     drawn("tspan", { class: "name-bound" }, "bound (dashed)"),
   );
   chart.append(names);

@@ -90,5 +90,6 @@ export function start() {
     event.preventDefault();
     take([...event.dataTransfer.files]);
   });
+  box("sample").addEventListener("click", () => send("/sample"));
   follow("state", show);
 }

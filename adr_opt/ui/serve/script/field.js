@@ -20,12 +20,15 @@ function ofList(written) {
 
 const wordsOf = (value) => (Array.isArray(value) ? value.map((each) => each ?? EMPTY).join(", ") : EMPTY);
 
+// Numbers are shown in a unit that people use: one of it is spec.by in the unit of the file.
+const shownAs = ({ by = 1 }, value) => (typeof value === "number" ? value / by : value);
 const numberInput = (spec, more = {}) => made("input", {
-  type: "number", step: spec.whole ? "1" : "any", inputmode: "decimal", min: spec.least,
-  max: spec.most, ...more,
+  type: "number", step: spec.whole ? "1" : "any", inputmode: "decimal", min: shownAs(spec, spec.least),
+  max: shownAs(spec, spec.most), ...more,
 });
-const numberOf = (input) => (input.value === EMPTY ? null : Number(input.value));
-const wordOf = (value) => (typeof value === "number" ? text(value, 12) : EMPTY);
+const numberOf = ({ by = 1 }, input) => (
+  input.value === EMPTY ? null : Number((Number(input.value) * by).toPrecision(14)));
+const wordOf = (spec, value) => (typeof value === "number" ? text(shownAs(spec, value), 12) : EMPTY);
 
 // The control, its value read, and its value set; of a window, the second control beside it.
 const CONTROLS = {
@@ -33,8 +36,8 @@ const CONTROLS = {
     const control = numberInput(spec);
     return {
       control,
-      read: () => numberOf(control),
-      write: (value) => { control.value = wordOf(value); },
+      read: () => numberOf(spec, control),
+      write: (value) => { control.value = wordOf(spec, value); },
     };
   },
   window: (spec, titled) => {
@@ -43,8 +46,8 @@ const CONTROLS = {
     return {
       control,
       second,
-      read: () => [numberOf(control), numberOf(second)],
-      write: (value) => [control, second].forEach((input, at) => { input.value = wordOf(value?.[at]); }),
+      read: () => [control, second].map((input) => numberOf(spec, input)),
+      write: (value) => [control, second].forEach((input, at) => { input.value = wordOf(spec, value?.[at]); }),
     };
   },
   text: () => {
@@ -65,7 +68,7 @@ const CONTROLS = {
   },
   choice: (spec) => {
     const control = made("select");
-    if (spec.optional) control.append(new Option("none", EMPTY));
+    if (spec.optional) control.append(new Option(spec.absent ?? "none", EMPTY));
     control.append(...(spec.choices ?? []).map((each) => new Option(WORDS[each] ?? each, each)));
     return {
       control,
@@ -96,7 +99,7 @@ export function fieldOf(spec, id, change = null) {
   const row = made("div", { class: `field ${kind}` },
     made("label", { for: id }, titled), made("span", { class: "inputs" }, ...inputs), help, why);
   help.hidden = !spec.help;
-  if (spec.optional && ["number", "text", "list"].includes(kind)) control.placeholder = "none";
+  if (spec.optional && ["number", "text", "list"].includes(kind)) control.placeholder = spec.absent ?? "none";
   const refuse = (sentence) => {
     why.textContent = sentence;
     for (const input of inputs) {
@@ -142,7 +145,8 @@ export function withValue(element, path, value) {
 
 // Fields for the options of a verb, all of which may be left out, and what they say.
 export const optionFields = (verb, options) => options.map((option) => (
-  [option.name, fieldOf({ ...option, optional: option.default === null }, `${verb}-${option.name}`)]));
+  [option.name, fieldOf({ ...option, optional: option.default === null, absent: "as usual" },
+    `${verb}-${option.name}`)]));
 
 export function valuesOf(fields) {
   const given = {};

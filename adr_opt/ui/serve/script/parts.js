@@ -35,7 +35,8 @@ function form(part, at, element, commit) {
     const field = fieldOf(described, id(path), (value) => commit(changed(current(), path, value)));
     return { field, of: (now) => dig(now, path) ?? (spec.optional ? null : spec.default) };
   };
-  return specs.filter((spec) => stands(specs, spec, element)).map(one);
+  return specs.filter((spec) => stands(specs, spec, element))
+    .map((spec) => ({ ...spec, ...one(spec) }));
 }
 
 function changed(element, path, value) {
@@ -53,12 +54,21 @@ const keyOf = (part, element) => JSON.stringify([
   part === "chasers" ? stationNames() : null,
 ]);
 
+const opened = new Set(); // places whose seldom fields are shown
+
 function fill(place, part, at, element, holder, commit) {
   const key = keyOf(part, element);
   let known = built.get(place);
   if (known?.key !== key || known.holder !== holder) {
     const fields = form(part, at, element, commit);
-    holder.replaceChildren(...fields.map(({ field }) => field.row));
+    const rows = (seldom) => fields.filter((one) => one.seldom === seldom).map(({ field }) => field.row);
+    const more = made("details", { class: "more" }, made("summary", {}, "More"), ...rows(true));
+    // What is not as usual is seen.
+    const unusual = ({ seldom, of, default: usual }) =>
+      seldom && JSON.stringify(of(element) ?? null) !== JSON.stringify(usual ?? null);
+    more.open = opened.has(place) || fields.some(unusual);
+    more.addEventListener("toggle", () => (more.open ? opened.add(place) : opened.delete(place)));
+    holder.replaceChildren(...rows(false), ...(rows(true).length ? [more] : []));
     known = { key, fields, holder };
     built.set(place, known);
   }

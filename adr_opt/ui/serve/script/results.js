@@ -31,6 +31,15 @@ function figures(result) {
 // Messages of a verb: one or two stand in the list, more can be opened.
 const FEW = 2;
 
+// Files that are of use elsewhere.
+const TAKEN = /^(flight\..*|.*\.(csv|oem|cdm|kvn))$/;
+
+export const nameOf = (result) => `${result.label || result.verb} (${result.id})`;
+const named = (id) => {
+  const found = told.results.find((each) => each.id === id);
+  return found ? nameOf(found) : String(id);
+};
+
 function messages(result) {
   const lines = (result.said ?? "").split("\n").map((line) => line.replace(/^adr-opt: /, ""))
     .filter((line) => line && !line.startsWith("wrote "));
@@ -42,7 +51,7 @@ function messages(result) {
 
 function rowOf(result) {
   if (rows.has(result.id)) return rows.get(result.id);
-  const name = `${result.label || result.verb} (${result.id})`;
+  const name = nameOf(result);
   const tick = made("input", { type: "checkbox", "aria-label": `Select ${name}` });
   tick.addEventListener("change", () => {
     if (tick.checked) selected.add(result.id);
@@ -51,6 +60,12 @@ function rowOf(result) {
   });
   const said = made("span", { class: "said" });
   const acts = made("span", { class: "acts small" });
+  for (const file of result.files.filter((each) => TAKEN.test(each))) {
+    acts.append(made("a", {
+      class: "act", download: "", "aria-label": `Download ${file} of ${name}`,
+      href: `/results/file?id=${result.id}&name=${encodeURIComponent(file)}`,
+    }, file));
+  }
   const open = () => openPage(result);
   if (result.has_page) acts.append(button("Open", open, { "aria-label": `Open ${name}` }));
   if (result.verb === "tradeoff") {
@@ -62,14 +77,34 @@ function rowOf(result) {
   if (result.has_plan) acts.append(show);
   const moment = result.made_at?.slice(0, 16).replace("T", " ") ?? "";
   const when = made("time", { datetime: result.made_at }, moment);
+  const of = result.verb !== "solve" && result.inputs.length
+    ? ` of ${result.inputs.map(named).join(" and ")}` : "";
   const row = made("li", { class: "result" }, tick,
-    made("span", { class: "what" }, made("b", {}, name), " ", when), acts, said);
+    made("span", { class: "what" }, made("b", {}, name), of, " ", when), acts, said);
   const told = messages(result);
   if (told) row.append(told);
   row.dataset.verb = result.verb;
   row.dataset.id = String(result.id);
   rows.set(result.id, { row, said, show, tick });
   return rows.get(result.id);
+}
+
+// Two plans that are selected, one over the other: what the later one gains and loses.
+function overlay() {
+  const [one, other, ...more] = selection().filter(({ has_plan: has }) => has);
+  const known = ({ visited, targets }) => visited.length > 0 || !targets;
+  box("overlay").hidden = !other || more.length > 0 || !known(one) || !known(other);
+  if (box("overlay").hidden) return;
+  const without = (from, taken) => from.visited.filter((name) => !taken.visited.includes(name));
+  const listed = (words, names) => (names.length ? `${words} ${names.join(", ")}` : "");
+  const more_ = (value, digits, unit) => `${value < 0 ? "−" : "+"}${text(Math.abs(value), digits)}${unit}`;
+  box("overlay").replaceChildren(
+    made("b", {}, `${nameOf(one)} → ${nameOf(other)}`), ": ",
+    [`prize ${more_(other.objective - one.objective, 5, "")}`,
+      `ΔV ${more_(other.delta_v_m_s - one.delta_v_m_s, 4, " m/s")}`,
+      listed("gains", without(other, one)), listed("loses", without(one, other))]
+      .filter(Boolean).join("; "),
+  );
 }
 
 function openPage(result) {
@@ -104,6 +139,7 @@ function openNewest(results) {
 }
 
 export function start() {
+  onSelection(overlay);
   follow("results", (results) => {
     showResults();
     openNewest(results);

@@ -1,7 +1,7 @@
 // Verbs of the server as a small menu: a button for each, its options, and what it waits for.
 import { box, button, made, put } from "./dom.js";
 import { optionFields, valuesOf } from "./field.js";
-import { onSelection, selection } from "./results.js";
+import { nameOf, onSelection, selection } from "./results.js";
 import { follow, told } from "./store.js";
 import { begin } from "./talk.js";
 
@@ -26,7 +26,7 @@ function missing(needs) {
 function panelOf(name, { label, options = [] }) {
   const fields = optionFields(name, options);
   const why = made("p", { class: "why", id: `${name}-why`, "aria-live": "polite" });
-  const run = button(`Begin: ${label}`, async () => {
+  const run = button(label, async () => {
     run.disabled = true;
     await begin(name, valuesOf(fields), selection().map(({ id }) => id));
     show();
@@ -45,9 +45,22 @@ function panelOf(name, { label, options = [] }) {
   return { press, panel, run, why, fields };
 }
 
+// What a verb acts on: the plans that are selected, or the one that is shown.
+function subject(needs) {
+  if (needs.includes("instance")) return "";
+  const chosen = selection();
+  const refined = needs.includes("plan or refined") && chosen.find(({ files }) => files.includes("refined.json"));
+  const plans = chosen.filter((result) => result.has_plan);
+  const shown = told.results.filter(({ id }) => id === told.state?.result);
+  const of = refined ? [refined] : plans.length ? plans.slice(0, needs.includes("plans") ? undefined : 1) : shown;
+  return of.length ? ` ${of.map(nameOf).join(" and ")}` : "";
+}
+
 function show() {
   for (const [name, { run, why }] of verbs) {
-    const said = missing(told.choices.verbs[name].needs);
+    const { label, needs } = told.choices.verbs[name];
+    const said = missing(needs);
+    put(run, `${label}${subject(needs)}`);
     run.disabled = said !== "";
     put(why, said);
   }

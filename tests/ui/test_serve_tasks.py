@@ -1,0 +1,197 @@
+"""What a newcomer does on the page of ``serve``, task by task, with the clicks that it takes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import browser
+import pytest
+from serve_tab import in_report, on_page, put, served, text
+
+import adr_opt
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.serve.drafts import Draft, TargetsEdit
+from adr_opt.ui.serve.drafts import Edit as DraftEdit
+from adr_opt.ui.serve.variants import differences
+
+for package in ("plotly", "starlette", "uvicorn"):
+    pytest.importorskip(package)
+
+MOST_CLICKS = 5
+
+CLICKED = """(() => {
+  if (!document.documentElement?.dataset.complete) return null;
+  const chart = document.getElementById("orbits");
+  const targets = chart?.marks?.filter(({ name }) => name.startsWith("debris"));
+  if (!targets?.length) return null;
+  const { left, top } = chart.getBoundingClientRect();
+  const { x, y } = targets[0];
+  const place = { clientX: left + x, clientY: top + y, bubbles: true, pointerId: 1 };
+  chart.dispatchEvent(new PointerEvent("pointerdown", place));
+  chart.dispatchEvent(new PointerEvent("pointerup", place));
+  chart.dispatchEvent(new MouseEvent("click", place));
+  return targets[0].name;
+})()"""
+"""Clicks on the first target that is seen on the globe; its name."""
+
+
+def drawn() -> Instance:
+    """A small mission whose first target cannot be had: its window closes at once."""
+    instance = adr_opt.generate("tiny", seed=3)
+    first, *others = instance.targets
+    return instance.replace(targets=(first.replace(window_s=(0.0, 6000.0)), *others))
+
+
+def test_variants_are_named_by_what_differs() -> None:
+    """By names of targets where they are few, by numbers otherwise, and by limits; in one line."""
+    instance = drawn()
+    names = [target.name for target in instance.targets]
+    draft = Draft(instance)
+    assert differences(instance, draft.instance) == ""
+
+    def edited(**changes: object) -> Instance:
+        return draft.edited(DraftEdit.model_validate(changes)).instance
+
+    assert differences(instance, edited(duration_s=86400.0)) == "1 d"
+    without = edited(targets=TargetsEdit(names=(names[1],), excluded=True))
+    assert differences(instance, without) == f"without {names[1]}"
+    fewer = edited(targets=TargetsEdit(names=tuple(names[:3]), excluded=True))
+    assert differences(instance, fewer) == "without 3 targets"
+    assert differences(instance, edited(targets=TargetsEdit(names=(names[2],), prize=3.0))) == (
+        f"prizes of {names[2]}"
+    )
+    longer = edited(targets=TargetsEdit(names=(names[0],), required=True)).with_limits(
+        duration_s=2.0 * 86400.0
+    )
+    assert differences(instance, longer) == f"required: {names[0]}, 2 d"
+
+
+class Newcomer:
+    """Counts the clicks of somebody, who sees no digest in any sentence."""
+
+    def __init__(self, tab: browser.Browser) -> None:
+        self.tab, self.clicks = tab, 0
+
+    def click(self, selector: str) -> None:
+        """Press what is there, once it can be pressed."""
+        self.tab.wait_for(
+            f"(() => {{ const one = document.querySelector('{selector}');"
+            " return one !== null && !one.disabled; })()"
+        )
+        self.tab.evaluate(f"document.querySelector('{selector}').click()")
+        self.clicks += 1
+
+    @contextmanager
+    def task(self, name: str) -> Iterator[None]:
+        """A task, which takes few clicks."""
+        self.clicks = 0
+        yield
+        assert self.clicks <= MOST_CLICKS, name
+        assert "sha256" not in self.tab.evaluate("document.body.innerText").lower()
+
+    def verb(self, name: str) -> str:
+        """Open a verb and begin it; gives what its button says that it acts on."""
+        self.click(f"[aria-controls=verb-{name}]")
+        said: str = self.tab.evaluate(f"document.querySelector('#verb-{name} .first').textContent")
+        self.click(f"#verb-{name} .first")
+        return said
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+def test_a_newcomer_finds_the_way(tmp_path: Path) -> None:
+    """Six tasks, each in five clicks: plan, require, compare, refine, trade off and export."""
+    drawn().save(tmp_path / "my.json")
+    names = [target.name for target in drawn().targets]
+    with served(tmp_path, "my.json") as said, browser.Browser(tmp_path / "profile") as tab:
+        tab.go(said["url"])
+        on_page(tab, "reported", 0)
+        put(tab, "#limit", "20")
+        somebody = Newcomer(tab)
+        with somebody.task("plan"):
+            somebody.click("#plan")
+            on_page(tab, "reported", 1)
+        visited = tab.evaluate(
+            "[...document.querySelectorAll('tr.visited td')].map((one) =>"
+            " one.title).filter(Boolean)"
+        )
+        with somebody.task("require what cannot be had, and see why"):
+            somebody.click(f'[aria-label="Require {names[0]}"]')
+            somebody.click("#plan")
+            tab.wait_for("!document.getElementById('failed').hidden")
+            assert "no plan" in text(tab, "failed").lower()
+            somebody.click("#undo")
+        with somebody.task("compare without one object"):
+            somebody.click(f'[aria-label="Exclude {visited[0]}"]')
+            somebody.click("#plan")
+            on_page(tab, "results", 2)
+            somebody.click("#to-results")
+            somebody.click('[data-id="1"] input')
+            somebody.click('[data-id="2"] input')
+            assert f"without {visited[0]}" in text(tab, "results")
+            assert f"loses {visited[0]}" in text(tab, "overlay")
+            assert "ΔV" in text(tab, "overlay")
+        with somebody.task("refine, and see the saving"):
+            somebody.click('[data-id="1"] input')
+            assert somebody.verb("refine").endswith(f"without {visited[0]} (2)")
+            on_page(tab, "results", 3)
+            assert " of auto" in tab.evaluate(
+                "document.querySelector('[data-id=\"3\"]').textContent"
+            )
+        with somebody.task("export"):
+            somebody.verb("export")
+            on_page(tab, "results", 4)
+            link = "document.querySelector('[data-id=\"4\"] a')"
+            assert tab.evaluate(f"{link}.textContent") == "flight.oem"
+            content = tab.evaluate(f"fetch({link}.href).then((answer) => answer.text())")
+            assert content.startswith("CCSDS_OEM_VERS")
+        with somebody.task("trade off"):
+            somebody.click("[aria-controls=verb-tradeoff]")
+            put(tab, "#tradeoff-vary", "duration=0.5,1,1.5")
+            somebody.click("#verb-tradeoff .first")
+            on_page(tab, "results", 5)
+        assert [said for level, said in tab.complaints if level == "error"] == []
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+@pytest.mark.slow
+def test_a_sample_is_a_click_away(tmp_path: Path) -> None:
+    """Somebody without any file opens the sample, and has a mission to plan."""
+    with served(tmp_path, "--folder", "new") as said, browser.Browser(tmp_path / "profile") as tab:
+        tab.go(said["url"])
+        on_page(tab, "stage", "empty")
+        Newcomer(tab).click("#sample")
+        on_page(tab, "stage", "mission")
+        assert text(tab, "counts").startswith("50 in all")
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+@pytest.mark.slow
+def test_an_object_is_clicked_in_the_report(tmp_path: Path) -> None:
+    """A click on the globe names an object, which is required, excluded or given a deadline."""
+    drawn().save(tmp_path / "my.json")
+    with served(tmp_path, "my.json") as said, browser.Browser(tmp_path / "profile") as tab:
+        tab.go(said["url"])
+        on_page(tab, "reported", 0)
+        put(tab, "#limit", "5")
+        tab.evaluate("document.getElementById('plan').click()")
+        on_page(tab, "reported", 1)
+        name = in_report(tab, CLICKED)
+        tab.wait_for("document.getElementById('object').open")
+        assert text(tab, "object-name") == name
+        put(tab, "#object-deadline", 1.25)
+        on_page(tab, "revision", 2)
+        tab.evaluate("document.getElementById('object-excluded').click()")
+        tab.wait_for(f"document.querySelector('[aria-label=\"Exclude {name}\"]').checked")
+        draft = adr_opt.load(tmp_path / "my-served" / "draft.json")
+        assert name not in {target.name for target in draft.targets}
+        tab.evaluate("document.getElementById('undo').click()")
+        tab.wait_for(f"!document.querySelector('[aria-label=\"Exclude {name}\"]').checked")
+        draft = adr_opt.load(tmp_path / "my-served" / "draft.json")
+        (target,) = (each for each in draft.targets if each.name == name)
+        assert target.window_s == (0.0, 108000.0)
