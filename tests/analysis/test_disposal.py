@@ -160,6 +160,31 @@ def test_a_chaser_pays_for_its_own_disposal() -> None:
         assert fates(*kept, most_uncontrolled_kg=100.0)[-1].meets
 
 
+def test_a_kit_is_held_to_what_it_has_to_have() -> None:
+    """ΔV and propellant are those of its burn at the apogee; a kit that is lighter is told."""
+    drawn = field("j2").with_limits(duration_s=2 * 86400.0)
+    for disposal, kit_kg in (({"perigee_m": 50e3}, 5.0), ({"perigee_m": 50e3}, 60.0), (None, 60.0)):
+        targets = [
+            target.replace(removal="kit", disposal=disposal, mass_kg=200.0)
+            for target in drawn.targets
+        ]
+        chaser = drawn.chaser.replace(kits=6, kit_mass_kg=kit_kg)
+        instance = drawn.replace(targets=tuple(targets), chasers=(chaser,))
+        plan = adr_opt.solve(instance, "greedy").plan
+        assert plan is not None
+        kits = [fate for fate in fates(instance, plan, kit_isp_s=220.0) if fate.how == "kit"]
+        assert len(kits) == (len(plan.destinations) if disposal else 0)
+        for fate in kits:
+            radius = EARTH_RADIUS_M + fate.apogee_m
+            low = EARTH_RADIUS_M + 50e3
+            slow = math.sqrt(2.0 * MU_M3_S2 * low / (radius * (radius + low)))
+            assert fate.delta_v_m_s == pytest.approx(math.sqrt(MU_M3_S2 / radius) - slow, rel=0.02)
+            burnt = (200.0 + kit_kg) * -math.expm1(-fate.delta_v_m_s / (220.0 * 9.80665))
+            assert fate.propellant_kg == pytest.approx(burnt)
+            assert fate.controlled
+            assert fate.meets == (kit_kg > burnt)
+
+
 def test_the_verb_writes_a_report(cli: Cli) -> None:
     """JSON and page have all fates; the exit status says whether the rules are met."""
     instance, plan = disposing()

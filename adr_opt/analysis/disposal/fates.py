@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ...common.constants import EARTH_RADIUS_M, MU_M3_S2, STANDARD_GRAVITY_M_S2
 from ...common.errors import InputError
 from ...fly.trajectory.bodies import after_burns, body_states
 from ...judge.admit import AnyPlan, admit
@@ -195,9 +195,10 @@ class _Rules:
             if leg.tow is None:
                 delta_v, propellant = float(np.linalg.norm(left.burn)), None
                 if target.mass_kg is not None:
-                    exhaust_m_s = 9.80665 * self.kit_isp_s
-                    propellant = target.mass_kg * math.expm1(delta_v / exhaust_m_s)
-            yield self._fate(
+                    exhaust_m_s = STANDARD_GRAVITY_M_S2 * self.kit_isp_s
+                    moved_kg = target.mass_kg + route.chaser.kit_mass_kg
+                    propellant = moved_kg * -math.expm1(-delta_v / exhaust_m_s)
+            fate = self._fate(
                 target.name,
                 "kit" if leg.tow is None else "tow",
                 route.chaser.name,
@@ -206,6 +207,11 @@ class _Rules:
                 left,
                 (delta_v, propellant, None),
             )
+            kit_kg = route.chaser.kit_mass_kg
+            if fate.how == "kit" and 0.0 < kit_kg < (propellant or 0.0):
+                lacking = f"a kit of {kit_kg:g} kg holds no {propellant:.1f} kg of propellant"
+                fate = replace(fate, broken=(*fate.broken, lacking))
+            yield fate
 
     def _left_by(self, leg: Leg, target: Target, shell: tuple[float, float]) -> _Left:
         """Where a tow or a kit leaves an object."""
