@@ -254,9 +254,14 @@ class _Rules:
         axis = 1.0 / (2.0 / apogee - at_apogee[3:] @ at_apogee[3:] / MU_M3_S2)
         here = min(2.0 * axis - apogee, apogee)
         tried = []
-        for perigee in (here, self._low_enough(here, apogee), EARTH_RADIUS_M + CONTROLLED_M):
+        for perigee in self._perigees(chaser.thrust_n is None, here, apogee):
             burn = lowering(at_apogee, perigee) if perigee < here else np.zeros(3)
-            left = _Left(perigee, apogee, time_s + wait_s, at_apogee, burn)
+            high = apogee
+            if chaser.thrust_n is not None and perigee < here:  # by a spiral, to a circle
+                high = perigee
+                slower = math.sqrt(MU_M3_S2 / perigee) - math.sqrt(MU_M3_S2 / axis)
+                burn *= slower / np.linalg.norm(burn)
+            left = _Left(perigee, high, time_s + wait_s, at_apogee, burn)
             delta_v, propellant = float(np.linalg.norm(burn)), None
             if isinstance(tank, TankByMass) and mass_kg is not None:
                 propellant = mass_kg * -math.expm1(-delta_v / tank.exhaust_m_s)
@@ -271,19 +276,32 @@ class _Rules:
 
     def _chaser_state(self, last: Leg) -> tuple[Array, float]:
         tow = last.tow
-        if tow is None or not tow.burns:
-            return self._beside(last.destination, last.done_s), last.done_s
-        now, position, velocity = after_burns(self.instance, last.destination, tow.burns)
-        return np.concatenate([position, velocity]), now
+        if tow is not None and tow.burns:
+            now, position, velocity = after_burns(self.instance, last.destination, tow.burns)
+            return np.concatenate([position, velocity]), now
+        state = self._beside(last.destination, last.done_s)
+        if tow is not None:  # where its spiral has led, on a circle
+            low = EARTH_RADIUS_M + self.instance.circle_m(last.destination)
+            shrunk = low / float(np.linalg.norm(state[:3]))
+            state *= np.repeat([shrunk, shrunk**-0.5], 3)
+        return state, last.done_s
 
-    def _low_enough(self, perigee: float, apogee: float) -> float:
-        """Highest perigee radius with which a chaser keeps to the longest lifetime [m]."""
+    def _perigees(self, aims: bool, perigee: float, apogee: float) -> Iterator[float]:
+        """Radii that a chaser may lower its perigee to, the dearer ones last [m].
+
+        Where it is; the highest with which it keeps to the longest lifetime, on a circle where it
+        cannot aim; and that of a controlled re-entry.
+        """
+        yield perigee
         low, high = EARTH_RADIUS_M + LOWEST_M, perigee
         while high - low > CLOSE_M:
             middle = 0.5 * (low + high)
-            years = _years((middle, apogee), ASSUMED_AREA_TO_MASS_M2_KG, "mean")
+            apsides = middle, apogee if aims else middle
+            years = _years(apsides, ASSUMED_AREA_TO_MASS_M2_KG, "mean")
             low, high = (middle, high) if years <= self.years else (low, middle)
-        return low
+        yield low
+        if aims:
+            yield EARTH_RADIUS_M + CONTROLLED_M
 
     def _fate(
         self,
