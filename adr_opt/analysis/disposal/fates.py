@@ -227,7 +227,9 @@ class _Rules:
         wait_s, at_apogee = to_apogee(state)
         burn = lowering(at_apogee, shell[0])
         if target.disposal is not None and not isinstance(target.disposal, DisposalPerigee):
-            burn *= 1.0 + self._circling(at_apogee, shell[0]) / max(np.linalg.norm(burn), 1e-9)
+            burn *= 1.0 + self._circling(at_apogee, shell[0]) / max(
+                float(np.linalg.norm(burn)), 1e-9
+            )
         return _Left(*shell, leg.end_s + wait_s, at_apogee, burn)
 
     @staticmethod
@@ -251,7 +253,7 @@ class _Rules:
         state, time_s = self._chaser_state(last)
         wait_s, at_apogee = to_apogee(state)
         apogee = float(np.linalg.norm(at_apogee[:3]))
-        axis = 1.0 / (2.0 / apogee - at_apogee[3:] @ at_apogee[3:] / MU_M3_S2)
+        axis = 1.0 / (2.0 / apogee - float(at_apogee[3:] @ at_apogee[3:]) / MU_M3_S2)
         here = min(2.0 * axis - apogee, apogee)
         tried = []
         for perigee in self._perigees(chaser.thrust_n is None, here, apogee):

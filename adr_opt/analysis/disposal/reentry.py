@@ -63,21 +63,24 @@ class Reentry:
     right: tuple[tuple[float, float], ...]
 
 
-def moved(state: Array, time_s: float) -> Array:
-    """A state after some time in the gravity of the Earth, with harmonics up to J4."""
+def _moved(state: Array, time_s: float, gravity: str = "j4") -> Array:
+    """A state after some time in the gravity of the Earth."""
     after = state.copy()
-    coast(after, time_s, FIELDS["j4"], _NO_MATRIX)
+    coast(after, time_s, FIELDS[gravity], _NO_MATRIX)
     return after
 
 
 def to_apogee(state: Array) -> tuple[float, Array]:
-    """Time to the next apogee within a revolution [s], and the state there."""
+    """Time to the next apogee [s], and the state there, on the ellipse of a state of plans.
+
+    That is one of mean motion, whose harmonics would only be counted twice.
+    """
     axis = 1.0 / (2.0 / np.linalg.norm(state[:3]) - state[3:] @ state[3:] / MU_M3_S2)
     revolution = math.tau * math.sqrt(axis**3 / MU_M3_S2)
     steps = max(2, math.ceil(revolution / STEP_S))
     states = [state]
     for _ in range(steps):
-        states.append(moved(states[-1], revolution / steps))
+        states.append(_moved(states[-1], revolution / steps, "two-body"))
     at = int(np.argmax([np.linalg.norm(each[:3]) for each in states]))
     return at * revolution / steps, states[at]
 
@@ -135,7 +138,7 @@ def _track(instance: Instance, burn_s: float, before: Array, burn: Array) -> Arr
         sinks = state[:3] @ state[3:] < 0.0 or len(rows) < 3
         if rows[-1][3] <= 0.0 or not sinks:
             return np.array(rows)
-        state, time_s = moved(state, STEP_S), time_s + STEP_S
+        state, time_s = _moved(state, STEP_S), time_s + STEP_S
 
 
 def _below(instance: Instance, time_s: float, position: Array) -> Array:
