@@ -1,16 +1,19 @@
-"""Take the pictures of docs/serve.md: the page of ``serve`` with objects, and with a report.
+"""Take the pictures of pages: ``serve`` with objects and with a report, and six reports.
 
     python docs/draw_serve.py              # into docs/pictures
     python docs/draw_serve.py --out DIR
+    python docs/draw_serve.py --checkout DIR --out DIR   # first screens of another version alone
 
-Drops a drawn catalogue and brushes it; plans a generated field, changes what is wanted of it, and
-plans again. Needs Chromium and the extra ``[serve]``; the browser is driven as the tests do it.
+Drops a drawn catalogue and chooses ranges of it; plans a generated field, changes what is wanted of
+it, and plans again; and opens the reports of six kinds of missions. Needs
+Chromium and the extra ``[serve]``; the browser is driven as the tests do it.
 """
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
+import subprocess
 import sys
 import tempfile
 import time
@@ -36,11 +39,15 @@ SHELLS = (
 )
 """Share of the objects, inclination [deg] and mean motion [rev/day] with their spreads."""
 
+SCREEN = 1400, 900
+SMALLER, GAP = 3, 8
+
 sys.path[:0] = [str(ROOT / "tests/oracles"), str(ROOT / "tests/fields")]
 
 import catalogue_files  # noqa: E402
 from browser import Browser  # noqa: E402
 from serve_tab import click, drag, drop, on_page, put, served  # noqa: E402
+from six_kinds import KINDS, SEED  # noqa: E402
 
 
 def sky(seed: int = 1) -> list[ElementSet]:
@@ -89,14 +96,49 @@ def planned(tab: Browser, url: str) -> None:
     time.sleep(15.0)  # the report is a page of its own, and draws in its own time
 
 
+def report_of(folder: Path, checkout: Path, family: str, sizes: dict[str, int]) -> Path:
+    """The report of a generated mission, by the command line of a checkout."""
+    mission, plan, report = (folder / f"{family}.{end}" for end in ("json", "plan.json", "html"))
+    given = [f"--{name}={value}" for name, value in sizes.items()]
+    for words in (
+        ["generate", family, f"--seed={SEED}", *given, f"--out={mission}"],
+        ["solve", mission, "--method=greedy", f"--out={plan}", "--quiet"],
+        ["report", mission, plan, f"--out={report}", "--quiet"],
+    ):
+        command = [sys.executable, "-m", "adr_opt", *map(str, words)]
+        subprocess.run(command, cwd=checkout, check=True, capture_output=True)
+    return report
+
+
+def first_screens(folder: Path, checkout: Path) -> Image.Image:
+    """The first screens of six kinds of missions, side by side."""
+    width, height = SCREEN
+    small = width // SMALLER, height // SMALLER
+    sheet = Image.new("RGB", (3 * small[0] + 2 * GAP, 2 * small[1] + GAP), "white")
+    with Browser(folder / "reports", width=width, height=height) as tab:
+        for at, (family, sizes) in enumerate(KINDS.values()):
+            tab.open(report_of(folder, checkout, family, sizes))
+            tab.wait_for("document.documentElement?.dataset.ready", 300.0)
+            time.sleep(15.0)  # charts draw in their own time
+            tab.picture(folder / "taken.png", whole=False)
+            with Image.open(folder / "taken.png") as picture:
+                place = (at % 3 * (small[0] + GAP), at // 3 * (small[1] + GAP))
+                sheet.paste(picture.convert("RGB").resize(small, Image.Resampling.LANCZOS), place)
+    return sheet
+
+
+def few_colours(picture: Image.Image) -> Image.Image:
+    """A picture in 256 colours, of which those of small marks count as much as those of faces."""
+    return picture.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=3)
+
+
 def take(tab: Browser, name: str, out: Path) -> None:
     """Write a picture, with a path in it that is nobody's."""
     tab.evaluate("document.getElementById('folder').textContent = 'Kept in my-served'")
     with tempfile.TemporaryDirectory() as folder:
         tab.picture(Path(folder) / "taken.png", whole=False)
         with Image.open(Path(folder) / "taken.png") as picture:
-            # The few colours of small marks count as much as those of large faces.
-            few = picture.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=3)
+            few = few_colours(picture)
     few.save(out / name, optimize=True)
 
 
@@ -104,9 +146,15 @@ def main() -> None:
     """Take them."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--out", type=Path, default=ROOT / "docs/pictures")
-    out = parser.parse_args().out
+    parser.add_argument("--checkout", type=Path)
+    given = parser.parse_args()
+    out = given.out
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
+        few = few_colours(first_screens(folder, given.checkout or ROOT))
+        few.save(out / "reports.png", optimize=True)
+        if given.checkout is not None:
+            return
         catalogue, instance = folder / "drawn.tle", folder / "my.json"
         catalogue.write_text(catalogue_files.as_tle(sky()))
         adr_opt.generate("reduced-time", 7).save(instance)

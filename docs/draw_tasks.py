@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import csv
 import json
 import re
 import runpy
@@ -273,6 +274,35 @@ def own_policy(files: Path) -> Any:
     return figure
 
 
+def policy_curve(files: Path) -> Any:
+    """Training of the package's policy and of the published one, beside planners and optima."""
+    figure, axes = plt.subplots(1, 3, figsize=(WIDTH_IN, 3.6))
+    card = load_policy().card
+    curves = DOCS.parent / "bench" / "curves"
+    published = np.genfromtxt(curves / "published.csv", delimiter=",", skip_header=1)
+    with (curves / "rivals.csv").open(newline="", encoding="utf-8") as lines:
+        rivals = list(csv.DictReader(lines))
+    learned = np.array(card["curve"])
+    for at, (ax, family) in enumerate(zip(axes, card["families"], strict=True), start=2):
+        for found, phase, label in (
+            (learned, "co-elliptic", "the package"),
+            (published, "phasing", "the published study"),
+        ):
+            steps = np.maximum(found[:, 0], 1e4)
+            ax.plot(steps, found[:, at], color=plot.COLOURS[phase], lw=2.4, label=label)
+        untrained = learned[0, at]
+        levels = {"untrained": untrained} | {
+            row["what"]: float(row["visits"]) for row in rivals if row["family"] == family
+        }
+        for (name, level), dashes in zip(levels.items(), (":", "-.", "--", "-"), strict=False):
+            ax.axhline(level, color=INK, lw=1.0, ls=dashes, label=name)
+        ax.set(xscale="log", xlabel="steps", title=family, ylim=(0.0, 1.05 * max(levels.values())))
+    axes[0].set_ylabel("visits")
+    figure.legend(*axes[-1].get_legend_handles_labels(), ncols=3, loc="lower center")
+    figure.tight_layout(rect=(0.0, 0.18, 1.0, 1.0))
+    return figure
+
+
 PICTURES: dict[str, Callable[[Path], Any]] = {
     "task-cloud": cloud,
     "task-zone-before": zone_before,
@@ -282,6 +312,7 @@ PICTURES: dict[str, Callable[[Path], Any]] = {
     "task-chemical-or-electric": chemical_or_electric,
     "task-own-cost": own_cost,
     "task-own-policy": own_policy,
+    "task-policy-curve": policy_curve,
 }
 
 

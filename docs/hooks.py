@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import html
 import re
+import runpy
 from pathlib import Path, PurePosixPath
 from posixpath import dirname, normpath, relpath
 from typing import Any
@@ -65,6 +66,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Turn links between files of the repository into links between files of the site."""
     here = page.file.src_uri
+    if here == "options.md":
+        markdown += runpy.run_path(str(ROOT / "docs/list_options.py"))["tables"]()
     outside = page.file.generated_by is not None
     home = dirname(here if outside else f"docs/{here}")
 

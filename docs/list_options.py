@@ -1,4 +1,4 @@
-"""Renew docs/options.md from the options that the methods declare: python docs/list_options.py."""
+"""The options that methods declare, for docs/options.md on the site; printed as a script."""
 
 from __future__ import annotations
 
@@ -11,20 +11,12 @@ from adr_opt.run.methods import BOUNDS, PLANNERS, get, options_of
 
 DOCS = Path(__file__).parent
 
-HEAD = """\
-# Options of the methods
 
-Options are set by `solve --option NAME=VALUE` and `bound --option NAME=VALUE`, or by keyword
-arguments of `adr_opt.solve` and `adr_opt.bound`. `python -m adr_opt methods NAME` prints those of
-one method. `docs/list_options.py` makes this page from the declarations.
-"""
-
-
-def page() -> str:
-    """The page, with a table for each method of this project."""
+def tables() -> str:
+    """A table for each method of this project."""
     project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
     declared = project["project"]["entry-points"]
-    parts = [HEAD]
+    parts = []
     for group, more in ((PLANNERS, "Planners"), (BOUNDS, "Bounds only")):
         parts.append(f"\n## {more}\n")
         for name in sorted(declared[group]):
@@ -46,4 +38,4 @@ def table(rows: list[dict[str, str]]) -> str:
 
 
 if __name__ == "__main__":
-    (DOCS / "options.md").write_text(page(), encoding="utf-8")
+    print(tables())

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from ..kernels.episodes import episodes as kernels
+from ..kernels.episodes.worlds import WorldStates
 from ..mission.mission import Mission
 from .episodes import Board, FieldPool, check_playable, new_episodes, playing_time_s, start
 from .policy import Policy, log_probabilities
@@ -18,6 +20,8 @@ Found = Callable[[Sequence], object]
 """Callback for every plan, as a sequence of bodies."""
 
 Enough = Callable[[], bool]
+
+Part = TypeVar("Part", kernels.Episodes, WorldStates)
 
 LEAST_PART = 8
 """Number of episodes up to which another thread does not pay."""
@@ -97,9 +101,9 @@ class Field:
         return np.array([kernels.body_of(a, self.targets) for a in actions], dtype=np.int64)
 
 
-def pick(episodes: kernels.Episodes, rows: npt.NDArray[np.int64]) -> kernels.Episodes:
-    """Copies of some episodes, in the order of ``rows``, which may repeat."""
-    return kernels.Episodes(*(np.ascontiguousarray(part[rows]) for part in episodes))
+def pick(of: Part, rows: npt.NDArray[np.int64]) -> Part:
+    """Copies of some episodes or of their worlds, in the order of ``rows``, which may repeat."""
+    return type(of)(*(np.ascontiguousarray(part[rows]) for part in of))
 
 
 def play(

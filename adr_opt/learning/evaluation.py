@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from importlib.resources import files
 from pathlib import Path
@@ -16,12 +17,31 @@ import numpy.typing as npt
 
 from ..common.errors import InputError
 from ..common.json_text import loaded
+from ..mission.mission import Mission
+from ..run.front import solve
+from ..sources.generator import generate
 from .episodes import Board
+from .episodes.worlds import TROUBLED
 from .held import FAMILIES, HeldFields
 from .policy import SHIPPED, Policy, load_policy, log_probabilities
 
 CONFIDENT = 1.96
 """Half width of an interval of 95 %, in standard errors of a mean."""
+
+
+class Rival(NamedTuple):
+    """What a beam collects on the same fields.
+
+    Attributes
+    ----------
+    visits : (fields,) float64
+    seconds, table_seconds : float
+        Processor time of a field, of the beam with its checked plan and of its timetable [s].
+    """
+
+    visits: npt.NDArray[np.float64]
+    seconds: float
+    table_seconds: float
 
 
 class Measured(NamedTuple):
@@ -33,7 +53,10 @@ class Measured(NamedTuple):
     visits, optima : (fields,) float64
         Visits of the policy, and the least bound known; NaN where none is.
     seconds, table_seconds : float
-        Processor time of a field, for all families: of decoding, and of its timetable [s].
+        Processor time of a field: of decoding, a mean of all families, and of the timetable that
+        they share [s].
+    beams : dict of int to Rival
+        By width.
     """
 
     seeds: npt.NDArray[np.int64]
@@ -41,6 +64,7 @@ class Measured(NamedTuple):
     optima: npt.NDArray[np.float64]
     seconds: float
     table_seconds: float
+    beams: Mapping[int, Rival]
 
     @property
     def mean(self) -> tuple[float, float]:
@@ -59,12 +83,19 @@ class Measured(NamedTuple):
         known = ~np.isnan(self.optima)
         return _interval(self.visits[known] >= self.optima[known] - 1e-9)[0]
 
+    def lead(self, width: int) -> tuple[float, float]:
+        """Mean visits more than a beam, paired by field, and half the width of its interval."""
+        return _interval(self.visits - self.beams[width].visits)
+
 
 def _interval(of: npt.NDArray[Any]) -> tuple[float, float]:
     if of.size < 2:
         return float(of.mean()) if of.size else math.nan, math.nan
     return float(of.mean()), float(CONFIDENT * of.std(ddof=1) / math.sqrt(of.size))
 
+
+UNCERTAIN = "uncertain"
+"""Nominal fields, each in a world of :data:`.episodes.worlds.TROUBLED`."""
 
 Evaluation = Mapping[str, Measured]
 """What is measured, by family."""
@@ -78,6 +109,14 @@ def splits() -> dict[str, Any]:
     return found
 
 
+def digest(first: int, count: int) -> str:
+    """Digest of the nominal fields of some seeds, by which others see that theirs are the same."""
+    found = hashlib.sha256()
+    for seed in range(first, first + count):
+        found.update(generate("nominal", seed).to_json().encode())
+    return found.hexdigest()[:16]
+
+
 def evaluate(
     policy: Policy | str | os.PathLike[str] = SHIPPED,
     *,
@@ -85,6 +124,7 @@ def evaluate(
     budget: int = 1,
     fields: int | None = None,
     seed: int = 0,
+    beams: Sequence[int] = (),
 ) -> Evaluation:
     """Evaluate a policy on a block of fields.
 
@@ -95,11 +135,13 @@ def evaluate(
     split : str
         "val", by which trainings are watched, or "test", at which none has looked.
     budget : int
-        Plans of a field: the greedy one, and draws besides.
+        Plans of a field: the greedy one, and draws besides. In uncertain worlds there is one.
     fields : int, optional
         The first so many of the block; all if None.
     seed : int
         Of the draws.
+    beams : sequence of int
+        Widths of beams to compare with, in known worlds.
 
     Raises
     ------
@@ -118,12 +160,15 @@ def evaluate(
     began = time.process_time()
     held = HeldFields(block["first"], count)
     made = time.process_time()
-    best = held.visits(partial(chosen, learned))
+    greedy = partial(chosen, learned)
+    best = held.visits(greedy)
     rng = np.random.default_rng(seed)
     for _ in range(budget - 1):
         drawn = held.visits(partial(chosen, learned, rng=rng))
         best = {family: np.maximum(best[family], drawn[family]) for family in FAMILIES}
-    spent = (time.process_time() - made) / count, (made - began) / count
+    decoded = time.process_time()
+    best[UNCERTAIN] = held.visits(greedy, families=("nominal",), model=TROUBLED)["nominal"]
+    spent = (decoded - made) / (count * len(FAMILIES)), (made - began) / count
     seeds = block["first"] + np.arange(count)
     return {
         family: Measured(
@@ -136,9 +181,29 @@ def evaluate(
                 ]
             ),
             *spent,
+            {} if family == UNCERTAIN else _rivals(family, seeds.tolist(), beams),
         )
-        for family in FAMILIES
+        for family in best
     }
+
+
+def _rivals(family: str, seeds: list[int], widths: Sequence[int]) -> dict[int, Rival]:
+    """What beams collect on the fields of a family."""
+    visits = {width: np.zeros(len(seeds)) for width in widths}
+    spent, table = dict.fromkeys(widths, 0.0), 0.0
+    for at, seed in enumerate(seeds if widths else ()):
+        began = time.process_time()
+        mission = Mission(generate(family, seed), threads=1)
+        _ = mission.timetable
+        table += time.process_time() - began
+        # What a mission makes once is no part of a beam.
+        solve(mission, "beam", width=1, time_limit=math.inf)
+        for width in widths:
+            began = time.process_time()
+            visits[width][at] = solve(mission, "beam", width=width, time_limit=math.inf).objective
+            spent[width] += time.process_time() - began
+    each = len(seeds)
+    return {width: Rival(visits[width], spent[width] / each, table / each) for width in widths}
 
 
 def chosen(

@@ -8,10 +8,20 @@ import numpy as np
 import numpy.typing as npt
 
 from ..kernels.episodes import episodes as kernels
+from ..kernels.episodes import worlds as world_kernels
 from ..mission.mission import Mission
+from ..problem.uncertainty import Uncertainty
 from ..sources.generator import family, generate
 from .decoding import pick
-from .episodes import Board, FieldPool, new_episodes, start
+from .episodes import (
+    Board,
+    FieldPool,
+    UncertainPool,
+    begin_in_worlds,
+    new_episodes,
+    new_worlds,
+    start,
+)
 
 FAMILIES = ("nominal", "reduced-time", "reduced-fuel")
 
@@ -31,13 +41,17 @@ class HeldFields:
     def __init__(self, first: int = HELD_SEED, count: int = HELD_FIELDS) -> None:
         missions = [Mission(generate("nominal", first + at), threads=1) for at in range(count)]
         events = max(mission.timetable.most_events for mission in missions)
-        self._bodies, self._count = len(missions[0].names), count
+        self._first, self._bodies, self._count = first, len(missions[0].names), count
         self.pool = FieldPool(count, self._bodies, events)
         for slot, mission in enumerate(missions):
             self.pool.install(slot, mission)
 
     def visits(
-        self, choose: Callable[[Board], npt.NDArray[np.int64]], observation: str = "choices"
+        self,
+        choose: Callable[[Board], npt.NDArray[np.int64]],
+        observation: str = "choices",
+        families: tuple[str, ...] = FAMILIES,
+        model: Uncertainty | None = None,
     ) -> dict[str, npt.NDArray[np.int32]]:
         """Visits on each field in each family, with the moves that are chosen.
 
@@ -46,25 +60,47 @@ class HeldFields:
         choose : callable
             Actions of a board.
         observation : str
+        families : tuple of str
+            Whose limits missions have.
+        model : Uncertainty, optional
+            Of the worlds that they are played in, one for each field.
         """
-        episodes = new_episodes(len(FAMILIES) * self._count, self._bodies)
-        for at, name in enumerate(np.repeat(FAMILIES, self._count).tolist()):
+        episodes = new_episodes(len(families) * self._count, self._bodies)
+        for at, name in enumerate(np.repeat(families, self._count).tolist()):
             limits = family(name)
             given = limits.delta_v_m_s, limits.duration_s
             start(self.pool, episodes, at, at % self._count, *given)
         running, serviced = np.arange(episodes.slot.size), np.zeros_like(episodes.serviced)
+        worlds = None if model is None else self._worlds(model, episodes)
         while running.size:
             board = Board(observation, running.size, self._bodies - 1)
-            board.observe(self.pool.arrays, episodes, 0, running.size)
+            board.observe(self.pool.arrays, episodes, 0, running.size, worlds)
             alive = board.legal > 0
             serviced[running] = episodes.serviced
             if alive.all():
                 rewards = np.zeros(running.size, dtype=np.float32)
-                actions = choose(board)
-                kernels.act(self.pool.arrays, episodes, 0, running.size, actions, rewards)
+                taken = 0, running.size, choose(board), rewards
+                if worlds is None:
+                    kernels.act(self.pool.arrays, episodes, *taken)
+                else:
+                    world_kernels.act_in_worlds(
+                        self.pool.arrays, episodes, worlds, *taken, board.order
+                    )
             else:
-                running, episodes = running[alive], pick(episodes, np.flatnonzero(alive))
-        return dict(zip(FAMILIES, serviced.reshape(len(FAMILIES), -1), strict=True))
+                running, rows = running[alive], np.flatnonzero(alive)
+                episodes = pick(episodes, rows)
+                if worlds is not None:
+                    worlds = worlds._replace(states=pick(worlds.states, rows))
+        return dict(zip(families, serviced.reshape(len(families), -1), strict=True))
+
+    def _worlds(self, model: Uncertainty, episodes: kernels.Episodes) -> world_kernels.Worlds:
+        uncertain, count = UncertainPool(self.pool, [model]), episodes.slot.size
+        for slot in range(self._count):
+            uncertain.install(slot)
+        worlds, which = new_worlds(uncertain, count), np.arange(count, dtype=np.int32)
+        drawn = self._first + episodes.slot, np.zeros(count, dtype=np.int32)
+        begin_in_worlds(self.pool, episodes, worlds, which, drawn)
+        return worlds
 
     def means(
         self, choose: Callable[[Board], npt.NDArray[np.int64]], observation: str = "choices"

@@ -1,4 +1,4 @@
-"""The learned policy in NumPy: weights with a card in one file, and the scores of choices."""
+"""The learned policy: weights with a card in one file, and the scores of choices."""
 
 from __future__ import annotations
 
@@ -17,18 +17,15 @@ from ..common.arrays import read_arrays
 from ..common.errors import InputError
 from ..common.files import write_bytes
 from ..common.json_text import loaded
-from ..kernels.episodes.choices import (
-    ANGLE_FROM_CHASER,
-    CHOICE_FIELDS,
-    COST,
-    INCLINATION_FROM_HOME,
-    IS_OPEN,
-    IS_STATION,
-    LEGAL,
-    MISSION_FIELDS,
-    PHASE,
-    RAAN_FROM_HOME,
-    RADIUS_FROM_HOME,
+from ..kernels.episodes.choices import CHOICE_FIELDS, MISSION_FIELDS
+from ..kernels.episodes.set_scores import (
+    CONTEXT,
+    HEADS,
+    ILLEGAL,
+    PLACE,
+    PLACE_WIDTH,
+    Weights,
+    set_scores,
 )
 from ..mission.mission import Mission
 
@@ -42,32 +39,6 @@ SHIPPED = "policy"
 
 MOST_BYTES = 16 * 2**20
 """Largest size of all arrays of a file; those of the package have a hundredth."""
-
-TOKENS = 17
-"""Number of choices that the network looks at: stations, and the cheapest moves, legal first."""
-
-HEADS = 4
-"""Of attention."""
-
-PLACE, PLACE_WIDTH = 6, 6
-"""Numbers that say where the orbit of a token lies, and what a head makes of them: products for
-two tokens hold their distance and their phase."""
-
-PLACES = (RADIUS_FROM_HOME, INCLINATION_FROM_HOME, RAAN_FROM_HOME)
-"""Fields that say where the orbit of a choice lies."""
-
-CONTEXT = len(MISSION_FIELDS) + 2 * len(CHOICE_FIELDS)
-"""Numbers of the whole: of the mission, and means and deviations over all open targets."""
-
-LAST, EQUAL, FAR_AWAY = 100.0, 1e-3, 1e4
-"""What puts illegal choices behind, orders those of equal cost by their planes, and hides from
-attention those that are not there."""
-
-UNSEEN = -30.0
-"""Score of choices that are no tokens."""
-
-ILLEGAL = -1e8
-"""Score of an illegal move."""
 
 
 def shapes(width: int, layers: int) -> dict[str, tuple[int, ...]]:
@@ -122,25 +93,34 @@ class Policy:
             good = good and bool(np.isfinite(array).all())
         if not good:
             raise InputError("these are no weights of the policy's network")
-        self._of = {
-            name: np.ascontiguousarray(array.T) if array.ndim == 2 else array
-            for name, array in arrays.items()
-        }
-        self._own, self._shared = np.split(self._of["head.weight"], 2)
-        self._average = np.full((self._width, 1), 1.0 / self._width, dtype=np.float32)
         with np.errstate(over="ignore", invalid="ignore"):
-            for layer in range(self._layers):
-                self._fold(f"norm_{layer}", f"attend_{layer}")
-                self._fold(f"then_{layer}", f"widen_{layer}")
-                for part in ("weight", "bias"):
-                    queries = self._of[f"attend_{layer}.{part}"][..., : self._width]
-                    queries *= np.float32((HEADS / self._width) ** 0.5)
+            self._weights = self._folded()
 
-    def _fold(self, norm: str, linear: str) -> None:
-        """Put the scale and shift of a norm into the layer after it, which spares two steps."""
-        of, weight = self._of, self._of[f"{linear}.weight"]
-        of[f"{linear}.bias"] = of[f"{linear}.bias"] + of[f"{norm}.bias"] @ weight
-        of[f"{linear}.weight"] = weight * of[f"{norm}.weight"][:, None]
+    def _folded(self) -> Weights:
+        """The layers, with scales and shifts of norms in the layers after them."""
+        of = {name: array.T for name, array in self.arrays.items()}
+        width = self._width
+        for layer in range(self._layers):
+            for norm, linear in (("norm", "attend"), ("then", "widen")):
+                scale, shift = of[f"{norm}_{layer}.weight"], of[f"{norm}_{layer}.bias"]
+                weight, bias = f"{linear}_{layer}.weight", f"{linear}_{layer}.bias"
+                of[bias] = of[bias] + shift @ of[weight]
+                of[weight] = of[weight] * scale[:, None]
+            for part in ("weight", "bias"):
+                queries = np.ones(3 * width, dtype=np.float32)
+                queries[:width] = (HEADS / width) ** 0.5
+                of[f"attend_{layer}.{part}"] = of[f"attend_{layer}.{part}"] * queries
+        for linear in ("attend", "place", "merge", "widen", "narrow"):
+            for part in ("weight", "bias"):
+                of[f"{linear}.{part}"] = np.array(
+                    [of[f"{linear}_{layer}.{part}"] for layer in range(self._layers)]
+                )
+        parts = {
+            field: of[f"{field.removesuffix('_bias')}.{'bias' if '_' in field else 'weight'}"]
+            for field in Weights._fields
+        }
+        parts["score"] = parts["score"][:, 0]
+        return Weights(**{name: np.ascontiguousarray(of) for name, of in parts.items()})
 
     @property
     def name(self) -> str:
@@ -166,7 +146,7 @@ class Policy:
         write_bytes(Path(path), archive.getvalue())
 
     def scores(self, moves: FloatArray, mission: FloatArray) -> FloatArray:
-        """Scores of choices, shape (states, choices), illegal ones at :data:`ILLEGAL`.
+        """Scores of choices, shape (states, choices): see :func:`.set_scores.set_scores`.
 
         Parameters
         ----------
@@ -178,76 +158,13 @@ class Policy:
         InputError
             Scores without measure, by which an illegal move might seem best.
         """
-        with np.errstate(over="ignore", invalid="ignore"):
-            scores = self._scores(moves, mission)
-        if not (np.abs(scores) < -ILLEGAL).all():
+        scores = np.empty(moves.shape[:2], dtype=np.float32)
+        if not set_scores(self._weights, moves, mission, scores):
             raise InputError(
                 f"policy {self.name!r}: its scores are not finite, or beyond {-ILLEGAL:g}; the "
                 "file is damaged"
             )
-        scores[moves[..., LEGAL] == 0.0] = ILLEGAL
         return scores
-
-    def _scores(self, moves: FloatArray, mission: FloatArray) -> FloatArray:
-        legal, is_open, is_station = (moves[..., at] for at in (LEGAL, IS_OPEN, IS_STATION))
-        key = (moves[..., COST] + EQUAL * moves[..., ANGLE_FROM_CHASER]) * (1.0 - is_station)
-        key += LAST * (3.0 - legal - is_open - np.maximum(is_open, is_station))
-        seen = min(TOKENS, key.shape[1])
-        kept = np.argpartition(key, seen - 1, axis=1)[:, :seen]
-        rows = np.arange(len(moves))[:, None]
-        x = moves[rows, kept]
-        open_targets = (is_open * (1.0 - is_station))[:, None]
-        per_count = 1.0 / np.maximum(open_targets.sum(2), 1.0)
-        mean = (open_targets @ moves)[:, 0] * per_count
-        away = moves - mean[:, None]
-        spread = np.sqrt((open_targets @ (away * away))[:, 0] * per_count)
-        whole = self._linear("context", np.concatenate([mission, mean, spread], axis=1))
-        h = self._linear("encode", _relu(self._linear("token", x) + whole[:, None]))
-        present = np.maximum(x[..., IS_OPEN], x[..., IS_STATION])
-        place = self._place(x)
-        hidden = ((1.0 - present) * np.float32(FAR_AWAY))[:, None, None]
-        for layer in range(self._layers):
-            split = self._linear(f"attend_{layer}", self._normed(h))
-            q, k, v = split.reshape(*x.shape[:2], 3, HEADS, -1).transpose(2, 0, 3, 1, 4)
-            here = self._linear(f"place_{layer}", place)
-            here, there = here.reshape(*x.shape[:2], 2, HEADS, -1).transpose(2, 0, 3, 1, 4)
-            near = q @ k.transpose(0, 1, 3, 2) + here @ there.transpose(0, 1, 3, 2)
-            near -= hidden
-            near = np.exp(near - near.max(-1, keepdims=True))
-            near /= near.sum(-1, keepdims=True)
-            h = h + self._linear(
-                f"merge_{layer}", (near @ v).transpose(0, 2, 1, 3).reshape(h.shape)
-            )
-            wide = _relu(self._linear(f"widen_{layer}", self._normed(h)))
-            h = h + self._linear(f"narrow_{layer}", wide)
-        pooled = (present[:, None] @ h)[:, 0] / np.maximum(present.sum(1, keepdims=True), 1.0)
-        # What all tokens share of the head is worked out once.
-        beside = (pooled + whole) @ self._shared + self._of["head.bias"]
-        found = self._linear("score", _relu(h @ self._own + beside[:, None]))[..., 0]
-        scores = np.full(key.shape, UNSEEN, dtype=np.float32)
-        scores[rows, kept] = found
-        return scores
-
-    def _linear(self, name: str, x: FloatArray) -> FloatArray:
-        found: FloatArray = x @ self._of[f"{name}.weight"] + self._of[f"{name}.bias"]
-        return found
-
-    def _normed(self, x: FloatArray) -> FloatArray:
-        # A product takes a third of the time of a mean.
-        away = x - x @ self._average
-        found: FloatArray = away / np.sqrt((away * away) @ self._average + np.float32(1e-5))
-        return found
-
-    def _place(self, x: FloatArray) -> FloatArray:
-        """Where orbits of tokens lie."""
-        place, phase = x[..., list(PLACES)], x[..., PHASE : PHASE + 1] * np.float32(np.pi)
-        square = (place * place).sum(-1, keepdims=True)
-        return np.concatenate([place, square, np.sin(phase), np.cos(phase)], axis=-1)
-
-
-def _relu(x: FloatArray) -> FloatArray:
-    found: FloatArray = np.maximum(x, np.float32(0.0))
-    return found
 
 
 def _fields() -> str:

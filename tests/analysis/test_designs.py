@@ -339,21 +339,6 @@ def test_bounds_that_are_with_neighbours_hold() -> None:
             assert most <= bounds[(*design.values, ("budget", budget))] * (1.0 + 1e-9)
 
 
-@pytest.mark.slow
-def test_processes_come_to_the_same() -> None:
-    """Two processes give the points of one."""
-    field = rated()
-    axes = [Axis("launches", (1.0, 2.0))]
-    here, there = (
-        design_study(
-            field, axes, worths=worths_of_sets(field), prices=PRICES, time_limit=LIMIT_S, jobs=jobs
-        )
-        for jobs in (1, 2)
-    )
-    for one, other in zip(here.points, there.points, strict=True):
-        assert (one.design, one.worth, one.bound) == (other.design, other.worth, other.bound)
-
-
 def test_plans_and_bounds_are_with_neighbours_where_they_hold() -> None:
     """A design without a plan of its own takes one that it can fly, and the bound of more kits."""
     study = made()

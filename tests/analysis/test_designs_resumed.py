@@ -1,9 +1,8 @@
-"""A study of designs goes on from its file, which may be torn, edited, or of other work."""
+"""A study of designs goes on from its file, which may be edited, or of other work."""
 
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,6 @@ from rated_fields import rated, worths_of_sets
 
 from adr_opt.analysis import Axis, CampaignPrices, DesignPoint, DesignStudy, design_study
 from adr_opt.common.errors import InputError
-from adr_opt.common.stop import MaxRuntime
 
 AXES = [Axis("launches", (1.0,)), Axis("kits", (1.0, 2.0))]
 
@@ -42,45 +40,6 @@ def content(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return path.read_bytes()
 
 
-def told(study: DesignStudy) -> list[tuple[Any, ...]]:
-    """What a study says, but for times."""
-    return [
-        (
-            point.design,
-            point.plan and point.plan.orders,
-            point.floor,
-            point.worth,
-            point.bound,
-            point.euros,
-        )
-        for point in study.points
-    ]
-
-
-def test_a_finished_file_is_not_run_again(tmp_path: Path, content: bytes) -> None:
-    """A second call runs nothing, says the same, and leaves the file as it is."""
-    path = tmp_path / "d.jsonl"
-    path.write_bytes(content)
-    made, ran = run(path)
-    assert ran == []
-    assert path.read_bytes() == content
-    assert told(made) == told(run(None)[0])
-
-
-@pytest.mark.parametrize("kept", [0.05, 0.5, 0.999])
-def test_a_file_that_was_cut_off_goes_on(kept: float, tmp_path: Path, content: bytes) -> None:
-    """Wherever the machine stopped, whole lines are kept and the others made anew."""
-    path = tmp_path / "d.jsonl"
-    cut = content[: math.floor(kept * len(content))]
-    path.write_bytes(cut)
-    made, ran = run(path)
-    assert len(ran) == 2 - max(cut.count(b"\n") - 1, 0)
-    assert len(made.points) == 2
-    again, ran = run(path)
-    assert ran == []
-    assert told(again) == told(made)
-
-
 def test_more_values_run_what_is_new(tmp_path: Path, content: bytes) -> None:
     """Points of the file count for other axes, too, as far as they are the same designs."""
     path = tmp_path / "d.jsonl"
@@ -97,14 +56,6 @@ def test_more_values_run_what_is_new(tmp_path: Path, content: bytes) -> None:
         told=lambda point, done, of: ran.append(point),
     )
     assert [point.design.value("kits") for point in ran] == [3.0]
-
-
-def test_a_study_that_is_stopped_has_what_is_finished(tmp_path: Path) -> None:
-    """Without time nothing is run and nothing written, and the number of designs is told."""
-    path = tmp_path / "d.jsonl"
-    made, ran = run(path, stop=MaxRuntime(1e-9))
-    assert (made.points, made.wanted, ran) == ((), 2, [])
-    assert path.read_bytes().count(b"\n") == 1
 
 
 def dearer(line: dict[str, Any]) -> None:
@@ -175,6 +126,3 @@ def test_files_of_other_work_are_refused(
     path.write_bytes(content)
     with pytest.raises(InputError, match=f"made with {said}"):
         run(path, **more)
-    path.write_text("prize,cost\n1,2\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"not a file of a study \(designs\)"):
-        run(path)

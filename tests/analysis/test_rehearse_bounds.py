@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from itertools import permutations
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -258,20 +257,6 @@ def test_bounds_without_a_search_begin_with_a_plan(monkeypatch: pytest.MonkeyPat
     assert all(begun[2:])
     assert found[0].worlds[0].proven
     assert found[0].worlds == found[1].worlds
-
-
-def test_bounds_are_resumed(tmp_path: Path) -> None:
-    """Bounds in a file are not proven again."""
-    instance = adr_opt.generate("tiny", 0)
-    uncertainty = drawn_uncertainty(instance, 3)
-    path = tmp_path / "bounds.jsonl"
-    first = bounds(instance, uncertainty, samples=2, path=path)
-    told: list[int] = []
-    again = bounds(
-        instance, uncertainty, samples=2, path=path, told=lambda done, of: told.append(done)
-    )
-    assert again.worlds == first.worlds
-    assert not told
 
 
 def test_intervals_of_gaps_cover_the_gap() -> None:

@@ -151,12 +151,13 @@ def test_methods_lie_on_curves_of_time_and_quality(load: Load, tmp_path: Path) -
 
 
 def test_the_chart_of_the_page_is_that_of_its_table(load: Load, tmp_path, capsys) -> None:
-    """docs/benchmarks.md has the table that the committed chart is drawn from, line by line."""
+    """docs/benchmarks.md shows the committed chart, and names the table that it is drawn from."""
     script = load("time_quality")
     page = (BENCH.parent / "docs" / "benchmarks.md").read_text(encoding="utf-8")
     found = load("harness.report.quality").read_table(script.TABLE)
     assert script.curves(draw=True, picture=tmp_path / "drawn.svg") == 0
-    assert capsys.readouterr().out.strip() in page
+    assert f"(../bench/curves/{script.TABLE.name})" in page
+    assert len(capsys.readouterr().out.strip().splitlines()) == 2 + len(found)
     assert {spot.planner for spot in found} >= {
         "greedy",
         "greedy-guarded",

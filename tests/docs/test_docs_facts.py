@@ -129,7 +129,7 @@ def test_visits_beside_those_of_the_study_are_those_measured() -> None:
     with (ROOT / "bench/curves/published.csv").open(encoding="utf-8") as file:
         visits.append(list(csv.DictReader(file))[-1]["nominal"])
     assert f"| {float(visits[-1]):.2f}, without zones |" in page
-    for name in ("README.md", "docs/model.md", "instances/README.md"):
+    for name in ("README.md", "instances/README.md"):
         section = re.search(r"\*\*calibration\*\*.*", read(name), re.DOTALL)[0][:1200]
         for mean in visits:
             assert f"{float(mean):.1f}" in section, name
@@ -158,3 +158,10 @@ def test_the_committed_instances_are_what_their_names_say() -> None:
         family, _, seed = file.stem.rpartition("-")
         assert file.parent.name == family
         assert file.read_bytes() == generate(family, int(seed)).to_json().encode(), file.name
+
+
+def test_every_page_says_for_whom_it_is() -> None:
+    """The first words below the heading of a page are its readers, or what the reader has."""
+    for path in sorted((ROOT / "docs").rglob("*.md")):
+        below = path.read_text(encoding="utf-8").split("\n", 3)[2]
+        assert below.startswith(("*For ", "**You have** ")), path.name

@@ -256,7 +256,7 @@ def claims() -> list[tuple[Claim, ListedLabels]]:
     raise AssertionError("too few claims")
 
 
-@pytest.mark.parametrize("draws", [3, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("draws", [2, pytest.param(200, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("forge", FORGERIES, ids=lambda forge: forge.__name__)
 def test_forged_lists_are_refused(claims, forge, draws):
     """A list that is changed, or is for another question, is refused; how many are, is printed."""

@@ -56,10 +56,10 @@ def fits(instance: Instance) -> bool:
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(SEEDS), 40),
-    j2=(drifting_mission, range(SEEDS), 40),
-    variants=(variant, range(SEEDS), 40),
-    towed=(towed, range(SEEDS), 40),
+    two_body=(random_mission, range(SEEDS), 25),
+    j2=(drifting_mission, range(SEEDS), 25),
+    variants=(variant, range(SEEDS), 25),
+    towed=(towed, range(SEEDS), 25),
     pushed=(pushed, range(SEEDS), 12),
 )
 def test_what_floors_prove_is_verified(draw, seeds):

@@ -173,6 +173,32 @@ def test_choice_is_the_least_cost_of_all(time_value):
             assert best.revolutions == costs[0][2], (i, j, departure)
 
 
+@pytest.mark.parametrize("highest_m", [rows.HIGHEST_M, EARTH_RADIUS_M + 36e6])
+def test_phasing_costs_at_least_what_its_time_says(highest_m):
+    """No sequence costs less than its turn and the swing of its flight time, far or near."""
+    rule = rows.rule()._replace(max_radius=highest_m)
+    rng = np.random.default_rng(12)
+    for _ in range(CASES):
+        i = random_orbit(rng)
+        i[0] = rng.uniform(rule.min_radius, rng.choice([rows.HIGHEST_M, highest_m]))
+        j = near(rng, i) if rng.random() < 0.5 else random_orbit(rng)
+        rule = rule._replace(first_leg_fraction=rng.choice([0.0, 0.5, 0.75, 1.0]))
+        matching = rng.choice([0.0, 100.0])
+        pair = co_elliptic.prepare(i, j, matching, rule, 0.0)
+        k = int(rng.integers(0, 13))
+        least, most = rule.min_radius, highest_m
+        r = pair.reference + rng.choice([1.0, 1e-2, 1e-4]) * rng.uniform(
+            least - pair.reference, most - pair.reference
+        )
+        time = co_elliptic.flight_time(i[0], j[0], 0.0, 0.0, rule.first_leg_fraction, r)[0]
+        time += k * co_elliptic.lap_time(r, 0.0)[0]
+        price = co_elliptic.leg_delta_v(pair, rule, k, r, 0.0, time, pair.turn)
+        laps = 2.0 - rule.first_leg_fraction + 2.0 * k
+        swing = pair.swing * abs(time - pair.flight - k * pair.lap) / laps
+        assert pair.turning + swing <= price * (1.0 + 1e-9) + 1e-6, (i, j, r, k)
+        assert pair.swing > 0.0
+
+
 @pytest.mark.parametrize("time_value", [0.0, 20.0, 300.0])
 def test_choice_keeps_to_a_window(time_value):
     """A sequence too long for the deadline is out, and one too short for the opening waits."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import re
 import subprocess
 import sys
@@ -428,6 +429,14 @@ def test_the_script_that_trains_runs(tmp_path: Path) -> None:
     assert "steps trained in" in said
     assert said.count("mean of 2 fields") == 3
     assert adr_opt.check(adr_opt.generate("tiny", 0), adr_opt.load_plan(out)) == ()
+
+
+@pytest.mark.slow
+def test_the_script_without_a_library_of_learners_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """examples/training/ppo_alone.py steps, learns and evaluates."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "examples" / "training"))
+    alone = importlib.import_module("ppo_alone")
+    assert 0.0 < alone.main(600, count=8, pool=2, held=1) <= 50.0
 
 
 @pytest.mark.slow

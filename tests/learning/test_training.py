@@ -15,7 +15,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from seeds import over_seeds
 
 import adr_opt
 
@@ -31,7 +33,7 @@ from adr_opt.common.errors import InputError  # noqa: E402
 from adr_opt.learning import SetPolicy, evaluate, load_policy, write_policy  # noqa: E402
 from adr_opt.learning.environment import fields  # noqa: E402
 from adr_opt.learning.environment.vector import MissionVecEnv  # noqa: E402
-from adr_opt.learning.evaluation import splits  # noqa: E402
+from adr_opt.learning.evaluation import UNCERTAIN, digest, splits  # noqa: E402
 from adr_opt.learning.held import FAMILIES, HELD_FIELDS, HELD_SEED, HeldFields  # noqa: E402
 from adr_opt.learning.training import configs, trainer  # noqa: E402
 from adr_opt.learning.training.checkpoints import read_checkpoint, read_state, write_checkpoint  # noqa: E402
@@ -307,7 +309,8 @@ def test_held_fields_are_not_in_the_library_nor_drawn() -> None:
     """No field that a policy is judged by can be one that it was trained on."""
     library = load_library(Path(__file__).parents[2] / "instances" / "library.json")
     held = range(HELD_SEED, HELD_SEED + HELD_FIELDS)
-    assert held.stop <= fields.FIRST_SEED
+    for block in splits()["blocks"].values():
+        assert block["first"] + block["fields"] <= fields.FIRST_SEED
     names = {instance.name for instance in library.instances}
     assert len(names) >= 350
     assert not names & {f"{family}-{seed}" for family in FAMILIES for seed in held}
@@ -366,12 +369,14 @@ def test_models_that_planners_cannot_run_are_refused(tmp_path: Path) -> None:
 def test_evaluations_say_what_a_policy_collects() -> None:
     """Means of a block are those of its fields, gaps are to bounds, and more plans are no worse."""
     greedy, several = (evaluate(split="test", fields=2, budget=budget) for budget in (1, 3))
-    assert tuple(greedy) == FAMILIES
+    assert tuple(greedy) == (*FAMILIES, UNCERTAIN)
     for family, row in greedy.items():
         first = splits()["blocks"]["test"]["first"]
         assert row.seeds.tolist() == [first, first + 1]
         assert row.mean[0] == row.visits.mean()
         assert (several[family].visits >= row.visits).all()
+        if family == UNCERTAIN:
+            assert row.visits.sum() < greedy["nominal"].visits.sum()
         known = splits()["blocks"]["test"]["bounds"].get(family, {})
         for seed, visits, bound in zip(row.seeds, row.visits, row.optima, strict=True):
             if str(seed) in known:
@@ -379,6 +384,25 @@ def test_evaluations_say_what_a_policy_collects() -> None:
     for wrong in ({"split": "other"}, {"budget": 0}, {"fields": 10**6}):
         with pytest.raises(InputError):
             evaluate(**wrong)  # type: ignore[arg-type]
+
+
+def test_a_policy_is_compared_with_beams_field_by_field() -> None:
+    """Leads are differences of visits, and a wider beam is the one that collects no less here."""
+    found = evaluate(fields=2, beams=(1, 30))
+    for family in FAMILIES:
+        of = found[family]
+        assert of.lead(30)[0] == (of.visits - of.beams[30].visits).mean()
+        assert (of.beams[30].visits >= of.beams[1].visits).all()
+        assert (of.beams[30].visits <= np.where(np.isnan(of.optima), 50.0, of.optima)).all()
+    assert not found[UNCERTAIN].beams
+
+
+@over_seeds(range(100), gate=1)
+def test_the_sealed_block_is_the_one_announced(seed: int) -> None:
+    """Fields of the block of the test have the digests that are in the package."""
+    block = splits()["blocks"]["test"]
+    assert len(block["digests"]) * block["each"] == block["fields"]
+    assert digest(block["first"] + seed * block["each"], block["each"]) == block["digests"][seed]
 
 
 @pytest.mark.slow

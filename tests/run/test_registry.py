@@ -19,7 +19,7 @@ import calling
 import numpy as np
 import pytest
 from brute_force import brute_force
-from hand_made import hand_made
+from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from random_rules import DAY_S, drifting_field
 from seeds import first_of
 from varied_fields import varied
@@ -247,6 +247,15 @@ def test_best_planner_meets_brute_force(name: str) -> None:
     """The best planner finds, with little work, what brute force finds."""
     best = max(result.objective for result in every(PLANNERS, name).values())
     assert best == pytest.approx(optimum(name)[0])
+
+
+@pytest.mark.parametrize("method", ["auto", "beam", "exact", "local-search", "mip", "ortools"])
+def test_the_worked_out_optimum_is_found(method: str) -> None:
+    """Of the hand-made instance the only optimal plan is found, and proven by those that prove."""
+    result, _ = ran(PLANNERS, method, "hand-made")
+    assert (result.sequence, result.objective) == (OPTIMAL_PLAN, OPTIMUM)
+    if method in ("auto", "exact", "mip"):
+        assert (result.status, result.upper_bound) == ("optimal", pytest.approx(OPTIMUM))
 
 
 @pytest.mark.parametrize("name", ["fractional", "refuelling", "nominal", WHOLE])

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from calling import call
-from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+from hand_made import hand_made
 from on_a_layer import best_on_layer
 
 import adr_opt
@@ -55,14 +55,6 @@ def variant(seed: int) -> Instance:
 @pytest.fixture(scope="module")
 def nominal() -> Mission:
     return Mission(adr_opt.generate("nominal", 0), threads=1)
-
-
-@pytest.mark.parametrize("width", [5, 50, 3000])
-def test_finds_the_worked_out_optimum(width: int) -> None:
-    """A beam of width 5 or more finds the only optimal plan of the hand-made instance."""
-    result = plan(Mission(hand_made(), threads=1), width=width)
-    assert result.sequence == OPTIMAL_PLAN
-    assert result.objective == OPTIMUM
 
 
 @pytest.mark.parametrize("width", [1, 2, 7, 64, 500])

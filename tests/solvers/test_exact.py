@@ -17,7 +17,6 @@ import pytest
 from brute_force import brute_force
 from calling import call
 from exact_variants import variant
-from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from judge import accepted
 from resonant_fields import RARE, resonant
 from seeds import first_of, over_seeds
@@ -70,14 +69,6 @@ def test_cut_short_the_bound_is_valid(seed: int) -> None:
     assert min(found) >= best - 1e-6
     assert found == sorted(found, reverse=True)
     assert math.isfinite(found[0])
-
-
-def test_finds_the_worked_out_optimum() -> None:
-    """On the hand-made instance it finds the only optimal plan, and says that it is optimal."""
-    result = prove(Mission(hand_made(), threads=1))
-    assert result.objective == OPTIMUM
-    assert result.sequence == OPTIMAL_PLAN
-    assert result.status == "optimal"
 
 
 def test_slot_and_cores_do_not_matter_in_the_end() -> None:

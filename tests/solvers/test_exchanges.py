@@ -67,7 +67,7 @@ def test_what_is_made_cheaper_is_legal_and_mostly_the_cheapest():
 
 def test_plans_by_expense_are_made_cheaper_without_being_asked():
     """With the expense as the cost, `auto` ends with a plan that no exchange makes cheaper."""
-    field = adr_opt.generate("removal", 5, targets=12, chasers=3)
+    field = adr_opt.generate("removal", 5, targets=7, chasers=3)
     expense = {"fixed": 55.0, "per_kg": 0.0, "per_kg_squared": 2e-3}
     instance = field.replace(
         chasers=tuple(chaser.replace(expense=expense) for chaser in field.chasers),

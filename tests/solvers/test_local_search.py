@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 from brute_force import brute_force
 from calling import call
-from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 
 import adr_opt
 from adr_opt.common.progress import silent
@@ -69,13 +68,6 @@ def test_same_seed_same_plan(field: Mission) -> None:
     plans = [improve(field, 1, seed).sequence for seed in (0, 0, 1, 2)]
     assert plans[0] == plans[1]
     assert len(set(plans)) > 1
-
-
-def test_it_finds_the_worked_out_optimum() -> None:
-    """On the hand-made instance it finds the optimal plan from the poor greedy one."""
-    result = improve(Mission(hand_made(), threads=1))
-    assert result.objective == OPTIMUM
-    assert result.sequence == OPTIMAL_PLAN
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -65,15 +65,6 @@ def test_tiny_family(path):
     assert has_proven(prove(mip, mission, start=best[:1]), mission, optimum)
 
 
-@pytest.mark.parametrize("start", [None, (), OPTIMAL_PLAN])
-def test_hand_made(start):
-    """The optimum worked out on paper is found and proven; its plan is the only one."""
-    mission = Mission(hand_made(), threads=1)
-    result = prove(mip, mission, start=start)
-    assert has_proven(result, mission, OPTIMUM)
-    assert result.sequence == OPTIMAL_PLAN
-
-
 @over_seeds(range(24), gate=3)
 def test_random_missions(seed):
     """With zones, unequal and non-integer prizes the methods equal brute force."""

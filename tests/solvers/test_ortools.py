@@ -7,7 +7,6 @@ import time
 import numpy as np
 import pytest
 from calling import call
-from hand_made import OPTIMAL_PLAN, hand_made
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
@@ -57,13 +56,6 @@ def best_prize(mission) -> float:
 def greedy(mission) -> float:
     guarded = get("greedy-guarded")
     return guarded(mission, seed=0, stop=MaxIterations(1), progress=silent).objective
-
-
-def test_hand_made_optimum():
-    """Windows find the one optimal plan of the hand-made instance, where greedy does not."""
-    mission = Mission(hand_made())
-    assert greedy(mission) == 2.0
-    assert plan(mission).sequence == OPTIMAL_PLAN
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import browser
 import pytest
+from six_kinds import KINDS, SEED
 
 import adr_opt
 from adr_opt.plan.plan import Plan
@@ -18,21 +19,11 @@ from adr_opt.ui.report.sections import story
 SIZES = ((1400, 900), (390, 844))
 """Of a laptop and of a phone [px]."""
 
-KINDS = {
-    "one chaser": ("tiny", {}),
-    "nominal": ("nominal", {}),
-    "campaign": ("campaign", {"targets": 12}),
-    "electric": ("electric", {"targets": 6}),
-    "drift": ("rocket-bodies", {"targets": 8}),
-    "removal": ("removal", {"targets": 10}),
-}
-"""Kinds of missions: family and sizes."""
-
 
 def flown(kind: str) -> tuple[Instance, Plan]:
     """A mission of a kind, with a quick plan."""
     family, sizes = KINDS[kind]
-    instance = adr_opt.generate(family, 8_640_001, **sizes)
+    instance = adr_opt.generate(family, SEED, **sizes)
     plan = adr_opt.solve(instance, "greedy").plan
     assert plan is not None
     return instance, plan

@@ -194,10 +194,13 @@ def test_violations_head_the_page(mission) -> None:
 @pytest.fixture(scope="module")
 def eccentric() -> tuple[Instance, Plan]:
     """A plan between eccentric orbits that is legal in the model, and breaks a tank in truth."""
-    tiny = adr_opt.generate("tiny", 4)
+    tiny = adr_opt.generate("tiny", 22)
     instance = tiny.replace(
         targets=tuple(
-            target.replace(orbit=target.orbit.replace(eccentricity=0.08)) for target in tiny.targets
+            target.replace(
+                orbit=target.orbit.replace(eccentricity=0.03, argument_of_perigee_deg=80.0 * number)
+            )
+            for number, target in enumerate(tiny.targets)
         )
     ).with_limits(delta_v_m_s=1500.0)
     most = max(legs_by_tank(instance, solved(instance)))
@@ -258,7 +261,7 @@ def test_no_tick_without_a_flight_on_the_true_orbits(eccentric, mission, monkeyp
     record = fly_mean(instance, plan).record.replace(how="refined", gravity="j2", holds=True)
     text = page(instance, plan.replace(flown=record))
     assert "not flown on the true ones" not in text
-    assert "it was refined in the field j2, and every tank held" in text
+    assert "it was refined in the field j2 and that every tank" in text
     assert "[astro]" in text
     assert "✓" in page(*mission)
 
@@ -329,8 +332,9 @@ def test_names_are_text_in_charts(hostile) -> None:
 
     def collect(value: object) -> None:
         if isinstance(value, dict):
-            for item in value.values():
-                collect(item)
+            for key, item in value.items():
+                if key != "ids":  # what a click leads to is compared, and never drawn
+                    collect(item)
         elif isinstance(value, list):
             for item in value:
                 collect(item)

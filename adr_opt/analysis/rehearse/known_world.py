@@ -61,9 +61,7 @@ def refuse_bounds(instance: Instance, uncertainty: Uncertainty) -> None:
             )
 
 
-def known_problem(
-    facts: MissionFacts, world: DrawnWorld, worth: Worth, *, threads: int = 1
-) -> Problem:
+def known_problem(facts: MissionFacts, world: DrawnWorld, worth: Worth) -> Problem:
     """The mission of a clairvoyant in a world.
 
     Parameters
@@ -72,8 +70,6 @@ def known_problem(
     world : DrawnWorld
     worth : callable
         What each target counts.
-    threads : int
-        Of the timetable.
     """
     suffix = _suffix(facts.instance)
     stand_ins = [
@@ -93,7 +89,7 @@ def known_problem(
         finder = facts.finder.corrected(corrections).shortened(instance)
     else:
         finder = facts.finder.shortened(instance)
-    return Problem(instance, threads=threads, connecting=finder)
+    return Problem(instance, threads=1, connecting=finder)
 
 
 def _suffix(instance: Instance) -> str:

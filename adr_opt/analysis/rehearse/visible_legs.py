@@ -7,13 +7,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import SLACK_S
+from ...common.constants import HOUR_S, SLACK_S
 from ...kernels.core.windows import service_ends
 from ...kernels.episodes.choice_rows import look_ahead, note_all_onward, write_rows
 from ...kernels.episodes.choices import (
     CERTAIN,
     CHOICE_FIELDS,
     LOOKED_AHEAD,
+    M_S_PER_HOUR,
     MISSION_FIELDS,
     ONWARD,
     Choices,
@@ -41,7 +42,11 @@ IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 RANKS = 64
-"""Number of nearest open targets to which legs are considered; required ones are always added."""
+"""Number of nearest open targets to which legs are worked out; required ones are always added."""
+
+KEPT = 24
+"""Number of bodies among them that a policy sees, the cheapest to go to: stations, planned and
+required ones first."""
 
 MATCH_M_S = 1e-3
 """Tolerance of costs when a connection computed on demand is looked for among those of a pair."""
@@ -111,6 +116,7 @@ class VisibleLegs:
         self.later_s = mean_delays_s(facts, uncertainty)
         self.late_s = largest_delays_s(facts, uncertainty, LATE)
         self._towed = np.array([j in facts.tow_s for j in range(bodies)])
+        self._tows = bool(self._towed.any())
         self._stations = np.arange(facts.stations)
         self._targets = np.arange(facts.first_target, bodies)
         self._sources: dict[tuple[int, bool], Source | None] = {}
@@ -137,9 +143,16 @@ class VisibleLegs:
         limits, here = what.limits, craft.body
         bodies = self._candidates(craft, closed, planned)
         delta_v, arrival = self._rows(craft, bodies)
+        is_first = (bodies < facts.stations) | self.required[bodies] | np.isin(bodies, planned[:2])
         if own is not None:
-            at = np.flatnonzero(bodies == own.destination)
+            at = bodies == own.destination
             delta_v[at], arrival[at] = own.delta_v, own.arrival
+            is_first |= at
+        if bodies.size > KEPT:
+            few = max(KEPT, int(np.count_nonzero(is_first)))
+            dear = np.where(is_first, -np.inf, arrival / HOUR_S + delta_v / M_S_PER_HOUR)
+            kept = np.sort(np.argpartition(dear, few - 1)[:few])
+            bodies, delta_v, arrival = bodies[kept], delta_v[kept], arrival[kept]
         end = service_ends(limits.windows, bodies, arrival, limits.service[bodies])
         station = bodies < facts.stations
         legal = end <= limits.duration
@@ -196,18 +209,19 @@ class VisibleLegs:
         if not facts.stations:
             return
         legal = np.flatnonzero((choices.end <= limits.duration) & ~choices.station)
-        source = self._source(craft.chaser, False)
-        back, ends = np.full(legal.size, np.inf), np.full(legal.size, np.inf)
+        source = None if self._tows else self._source(craft.chaser, False)
+        bodies, ready = choices.bodies[legal], choices.end[legal]
+        back, ends, delta_v, arrival = np.full((4, legal.size), np.inf)
         for s in self._stations.tolist():
-            delta_v, arrival = np.full(legal.size, np.inf), np.full(legal.size, np.inf)
-            if source is not None and not self._towed[choices.bodies[legal]].any():
-                there = choices.bodies[legal], choices.end[legal], np.full(legal.size, s)
-                from_source(source, *there, delta_v, arrival)
+            if source is not None:
+                there = np.full(legal.size, s)
+                from_source(source, bodies, ready, there, delta_v, arrival)
             else:
-                for at, choice in enumerate(legal.tolist()):
-                    j = int(choices.bodies[choice])
-                    ready, towed = float(choices.end[choice]), bool(self._towed[j])
-                    hop = facts.best(j, s, ready, towed=towed)
+                delta_v[:] = arrival[:] = np.inf
+                for at, (j, since_s) in enumerate(
+                    zip(bodies.tolist(), ready.tolist(), strict=True)
+                ):
+                    hop = facts.best(j, s, since_s, towed=bool(self._towed[j]))
                     if hop is not None:
                         delta_v[at], arrival[at] = hop.delta_v, hop.arrival
             nearer = delta_v < back
@@ -225,21 +239,20 @@ class VisibleLegs:
         near = self._around.at(craft.free_s).neighbours_of(choices.bodies)
         there = np.empty((LOOKED_AHEAD, 1 + ONWARD), dtype=np.int64)
         look_ahead(choices, near, is_open, float(craft.free_s), choices.bodies.size, there)
-        sources = self._source(craft.chaser, False), self._source(craft.chaser, True)
         at, column = np.nonzero(there[:, 1:] >= 0)
-        if sources[0] is None or sources[1] is None or not at.size:
-            return
         leaving, onward = there[at, 0], there[at, 1 + column]
         origins, ready = choices.bodies[leaving], choices.end[leaving]
         delta_v, end = np.full((2, LOOKED_AHEAD, ONWARD), np.inf)
-        for source, is_towed in zip(sources, (False, True), strict=True):
-            those = np.flatnonzero(self._towed[origins] == is_towed)
-            if those.size:
-                needed, arrival = np.empty(those.size), np.empty(those.size)
-                pairs = origins[those], ready[those], onward[those]
-                from_source(source, *pairs, needed, arrival)
-                delta_v[at[those], column[those]] = needed
-                end[at[those], column[those]] = arrival + limits.service[onward[those]]
+        for is_towed in (False, True) if self._tows else (False,):
+            source = self._source(craft.chaser, is_towed)
+            if source is None:
+                return
+            those = np.flatnonzero(self._towed[origins] == is_towed) if self._tows else slice(None)
+            pairs = origins[those], ready[those], onward[those]
+            needed, arrival = np.empty((2, pairs[0].size))
+            from_source(source, *pairs, needed, arrival)
+            delta_v[at[those], column[those]] = needed
+            end[at[those], column[those]] = arrival + limits.service[pairs[2]]
         note_all_onward(choices, there, delta_v, end, float(limits.duration))
 
     def _coming(self, bodies: IntArray) -> FloatArray:
@@ -295,24 +308,23 @@ class VisibleLegs:
     def _candidates(self, craft: FlyingChaser, closed: set[int], planned: list[int]) -> IntArray:
         """Stations and open targets, of many the nearest."""
         is_open = np.ones(len(self._facts.names), dtype=np.bool_)
+        is_open[: self._facts.first_target] = False
         is_open[list(closed)] = False
         is_open[craft.body] = False
-        targets = self._targets[is_open[self._targets]]
+        targets = np.flatnonzero(is_open)
         if targets.size > RANKS:
             places = self._around.at(craft.free_s)
+            few = RANKS + int(np.count_nonzero(self.required & is_open))
             if self._is_launching(craft):
                 near = places.neighbours_of(targets)
                 away = -(self._worths[targets] + (self._worths * is_open)[near].mean(1))
+                away[self.required[targets]] = -np.inf
+                targets = targets[np.argpartition(away, min(few, targets.size) - 1)[:few]]
             else:
-                away = places.distances(craft.body, targets)
-            away[self.required[targets]] = -np.inf
-            few = RANKS + int(self.required[targets].sum())
-            nearest = targets[np.argpartition(away, min(few, targets.size) - 1)[:few]]
+                targets = places.nearest_of(craft.body, is_open, self.required, few)
             first = [j for j in planned[:2] if j >= self._facts.stations and is_open[j]]
-            targets = np.sort(nearest)
-            if first:
-                targets = np.union1d(nearest, np.array(first, dtype=np.int64))
-        return np.concatenate([self._stations, targets])
+            targets = np.union1d(targets, first) if first else np.sort(targets)
+        return np.concatenate([self._stations, targets.astype(np.int64)])
 
     def _rows(self, craft: FlyingChaser, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         """ΔV and arrival of the connection chosen to each body; +inf where there is none."""

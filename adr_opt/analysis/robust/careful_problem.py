@@ -98,7 +98,6 @@ def careful_problem(
     levels: Levels,
     *,
     services_s: Mapping[str, float] | None = None,
-    threads: int | None = None,
 ) -> Problem:
     """The mission with reserves.
 
@@ -111,8 +110,6 @@ def careful_problem(
     services_s : mapping of str to float, optional
         Times of services that last otherwise than planned, by name of the target; by default as
         long as stays do with the chance of the levels [s].
-    threads : int, optional
-        Of the timetable.
 
     Raises
     ------
@@ -126,7 +123,7 @@ def careful_problem(
         charge=None if levels.tank is None else risk_charge(facts, uncertainty, levels.tank),
     )
     finder = facts.finder.corrected(corrections).shortened(instance)
-    return Problem(instance, threads=threads, connecting=finder)
+    return Problem(instance, connecting=finder)
 
 
 def risk_charge(facts: MissionFacts, uncertainty: Uncertainty, level: float) -> RiskCharge | None:

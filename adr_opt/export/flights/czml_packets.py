@@ -204,7 +204,19 @@ def path_line(drawn_s: float, width: int, resolution_s: float, colour: object) -
 def sampled(
     clock: UtcClock, times: Array, positions: Array, degree: int, digits: int
 ) -> dict[str, Any]:
-    """Samples at seconds after the first [m], with ``digits`` decimals."""
+    """Samples at seconds after the first [m], with ``digits`` decimals.
+
+    Parameters
+    ----------
+    clock : UtcClock
+    times : (n,) float64
+        Since the epoch, ascending [s].
+    positions : (n, 3) float64
+        In the axes of the document [m].
+    degree : int
+        Of the polynomial between samples.
+    digits : int
+    """
     start = float(times[0])
     samples = np.column_stack([np.round(times - start, 6), np.round(positions, digits)])
     return {

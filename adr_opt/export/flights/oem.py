@@ -48,7 +48,21 @@ def _lines(trajectory: Trajectory, axes: Axes, object_id: str | None) -> Iterato
 def segment(
     clock: UtcClock, said: str, arc: Arc, axes: Axes, about: Iterable[str], method: str = "HERMITE"
 ) -> Iterator[str]:
-    """One arc, with a comment, metadata of object, frame and times, and how to interpolate it."""
+    """One arc, with a comment, metadata of object, frame and times, and how to interpolate it.
+
+    Parameters
+    ----------
+    clock : UtcClock
+    said : str
+        The comment.
+    arc : Arc
+    axes : Axes
+        That states are turned to.
+    about : iterable of str
+        Lines on object, frame and time system.
+    method : str
+        Of interpolation.
+    """
     labels = clock.labels(arc.times_s)
     yield "META_START"
     yield from about

@@ -31,17 +31,13 @@ PLACES, WEIGHTS = np.polynomial.legendre.leggauss(3)
 PLACES, WEIGHTS = 0.5 * (PLACES + 1.0), 0.5 * WEIGHTS
 
 
-def thrust_windows(
-    leg: RefinedLeg, gravity: Gravity, step_s: float = STEP_S
-) -> tuple[ThrustWindow, ...]:
+def thrust_windows(leg: RefinedLeg, gravity: Gravity) -> tuple[ThrustWindow, ...]:
     """Windows of a leg with their forces, those of less than a millisecond left out.
 
     Parameters
     ----------
     leg : RefinedLeg
     gravity : {"two-body", "j2", "j3", "j4"}
-    step_s : float
-        Time between points, but for the last two of a window [s].
     """
     if leg.thrust is None:
         return ()
@@ -50,8 +46,8 @@ def thrust_windows(
     for arc in leg.thrust.arcs:
         for start, end in arc.windows_s:
             if end - start >= SHORTEST_ARC_S:
-                count = max(1, math.ceil((end - start - SHORTEST_S) / step_s))
-                grids.append(np.append(start + step_s * np.arange(count), end))
+                count = max(1, math.ceil((end - start - SHORTEST_S) / STEP_S))
+                grids.append(np.append(start + STEP_S * np.arange(count), end))
                 laws.append(np.array(arc.steering))
     if not grids:
         return ()

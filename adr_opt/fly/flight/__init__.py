@@ -1,14 +1,13 @@
 """Flight of a plan: its burns propagated in the dynamics of its instance.
 
 The second opinion on the physics. No state here comes from :mod:`adr_opt.kernels`: elements are
-read from the instance, and boinor (extra ``[astro]``) turns them into states, propagates them and
-solves Lambert's problem.
+read from the instance, and boinor (extra ``[astro]``) turns them into states and propagates them.
 
 Two questions are asked of each leg. Does it arrive in the model's world, where every body moves
 on a circle? It must, to a millimetre, and under J2 to a metre. And where an orbit of the leg is
-eccentric: where does it arrive in truth, and what does it take to arrive there after all? That is
-the size of the approximation of docs/model.md section 1, and decides whether each tank holds. The
-second alone is what :func:`fly_mean` asks, in mean motion and without boinor.
+eccentric: what does it take to arrive in truth? That is the size of the approximation of
+docs/model.md section 1, and decides whether each tank holds. The second alone is what
+:func:`fly_mean` asks, in mean motion and without boinor.
 
 A refined plan (:mod:`adr_opt.fly.refine`) is flown by :func:`fly_refined`: in true dynamics, by
 another integrator than the one it was made with.
@@ -19,10 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 from .fly import fly
 from .mean_flight import MeanFlight, fly_mean
-from .result import EccentricFlight, Flight, LegFlight, TankFlight
+from .result import Flight, LegFlight, TankFlight
 
 __all__ = [
-    "EccentricFlight",
     "Flight",
     "LegFlight",
     "MeanFlight",

@@ -17,10 +17,10 @@ from ...problem.orbit import Orbit
 from ..trajectory.bodies import body_states
 from .flyable import refuse_what_cannot_be_flown
 from .mean_flight import MeanDynamics, is_between_circles
-from .result import EccentricFlight, Flight, LegFlight
+from .result import Flight, LegFlight
 from .retargeted import Aim
 from .tanks import burnt_m_s, plan_tanks
-from .two_body import State, TwoBody, distance, fly_eccentric
+from .two_body import State, TwoBody, distance
 
 
 def fly(instance: Instance, plan: AnyPlan) -> Flight:
@@ -30,8 +30,8 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
     there; the burns are taken from the plan as they are.
     Bodies move on the circles that the model plans with (docs/model.md section 1). A leg with an
     eccentric orbit is flown a second time on the true orbits, with its burns aimed anew
-    (:mod:`.retargeted`); in two-body motion a third time with them as they are. What the second
-    flight takes, and what the burns of legs that drift take, is counted tank by tank.
+    (:mod:`.retargeted`). What that takes, and what the burns of legs that drift take, is counted
+    tank by tank.
 
     Parameters
     ----------
@@ -56,17 +56,8 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
     flown, lead_ins = [], plan.lead_ins
     for number, leg in enumerate(plan.legs, start=1):
         lead_in = lead_ins.get(number, ())
-        before, led = _led(instance, motion, orbits, number, leg, lead_in)
-        ends = [orbits[leg.origin], orbits[leg.destination]]
-        eccentric = None
-        if instance.dynamics == "two-body" and not is_between_circles(orbits, leg):
-            origin, destination = (motion.true_at_epoch(orbit) for orbit in ends)
-            if led is not None:
-                origin = motion.coast(led, -leg.leaves_s)
-            eccentric = fly_eccentric(
-                motion, origin, destination, leg, instance.transfer.standoff_m
-            )
-        one = _fly_leg(instance, motion, orbits, number, leg, before, eccentric)
+        before = _led(instance, motion, orbits, number, leg, lead_in)
+        one = _fly_leg(instance, motion, orbits, number, leg, before)
         if not is_between_circles(orbits, leg):
             one = replace(
                 one, on_true_orbits=True, true_delta_v_m_s=_true_m_s(instance, orbits, leg, lead_in)
@@ -103,13 +94,10 @@ def _led(
     number: int,
     leg: Leg,
     lead_in: tuple[Burn, ...],
-) -> tuple[State | None, State | None]:
-    """State where a leg begins after lead-in burns, as planned and true; None without such burns.
-
-    They differ where a tow leads to an ellipse, from which legs are planned as from a circle.
-    """
+) -> State | None:
+    """State where a leg begins after lead-in burns, as planned; None without such burns."""
     if not lead_in:
-        return None, None
+        return None
     try:
         now, row = lead_in[0].time_s, left_row(instance, leg.origin, leg.departure_s)
         state = motion.body(orbits[leg.origin], now)
@@ -121,8 +109,9 @@ def _led(
             state, now = (position, velocity + np.array(burn.delta_v_m_s)), burn.time_s
         state = motion.coast(state, leg.leaves_s - now)
         if row is None or not ephemeris.eccentricity_at(row, ephemeris.EPOCH_S):
-            return state, state
-        return ephemeris.state_at(row, leg.leaves_s), state
+            return state
+        true: State = ephemeris.state_at(row, leg.leaves_s)
+        return true
     except ArithmeticError as error:
         raise InputError(
             f"leg {number}: the tow before it cannot be flown: {error}; correct its burns"
@@ -136,7 +125,6 @@ def _fly_leg(
     number: int,
     leg: Leg,
     before: State | None,
-    eccentric: EccentricFlight | None,
 ) -> LegFlight:
     if not leg.traits.has_burns:
         return LegFlight(number, leg.origin, leg.destination, leg.kind)
@@ -169,7 +157,6 @@ def _fly_leg(
         miss_m=standoff[0],
         relative_speed_m_s=standoff[1],
         arrival_miss_m=distance(at_arrival[0], goal[0]),
-        eccentric=eccentric,
     )
 
 

@@ -12,49 +12,6 @@ from ...plan.leg_kinds import leg_kind
 
 
 @dataclass(frozen=True)
-class EccentricFlight:
-    """Flight of a leg with both bodies on their true Kepler orbits.
-
-    The chaser begins on the true orbit of the origin and flies the burns of the plan as they are.
-    What cannot be flown or solved (the burns lead away from the Earth, Lambert's problem has no
-    answer) is None.
-
-    Attributes
-    ----------
-    true_miss_m : float or None
-        Distance from the point that follows L behind the destination on its true orbit, when the
-        approach begins [m].
-    true_relative_speed_m_s : float or None
-        Speed relative to that point, before the first impulse of the approach [m/s].
-    last_arc_delta_v_m_s : float
-        Sum of the plan's burns at both ends of the last transfer arc [m/s].
-    lambert_delta_v_m_s : float or None
-        Sum of the two burns if that arc is replaced, from where it begins, by a Lambert arc to
-        the true stand-off point at the same time [m/s]. Mostly the *plane* is what costs here:
-        the arc is close to half a revolution, and a Lambert arc over half a revolution has to
-        leave the planes of both bodies for the smallest offset, so that this number does not
-        vanish with the eccentricity.
-    correction_delta_v_m_s : float or None
-        What the least corrected last arc costs beyond ``last_arc_delta_v_m_s`` [m/s]: the Lambert
-        arc begins at the best of the points that divide the planned last arc into sixteenths, its
-        beginning among them. It vanishes with the eccentricity. What the plan sets aside is
-        less, as it is for burns that all match eccentricities on the way.
-    correction_time_s : float or None
-        When that Lambert arc begins [s].
-    eccentricity_delta_v_m_s : float
-        What the plan sets aside for the leg's eccentricity vectors [m/s].
-    """
-
-    true_miss_m: float | None
-    true_relative_speed_m_s: float | None
-    last_arc_delta_v_m_s: float
-    lambert_delta_v_m_s: float | None
-    correction_delta_v_m_s: float | None
-    correction_time_s: float | None
-    eccentricity_delta_v_m_s: float
-
-
-@dataclass(frozen=True)
 class LegFlight:
     """Flight of one leg's burns.
 
@@ -79,9 +36,6 @@ class LegFlight:
         L = 1 km: the approach is a solution of the Clohessy–Wiltshire equations, which are linear
         in the distance, so this miss grows with L². Under J2 decimetres where orbits are eccentric,
         whose latitudes do not advance quite as those of circles.
-    eccentric : EccentricFlight or None
-        The same leg on the true orbits, its burns as they are; None under J2, and where both orbits
-        are circles, which are their own truth.
     on_true_orbits : bool
         Whether an orbit is eccentric, so that the leg was flown on the true ones as well.
     true_delta_v_m_s : float or None
@@ -98,16 +52,15 @@ class LegFlight:
     miss_m: float = 0.0
     relative_speed_m_s: float = 0.0
     arrival_miss_m: float = 0.0
-    eccentric: EccentricFlight | None = None
     on_true_orbits: bool = False
     true_delta_v_m_s: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """The flight as plain data, with the fields of ``eccentric``, if any, at the same level."""
+        """The flight as plain data."""
         told = asdict(self)
         if not told.pop("on_true_orbits"):
             del told["true_delta_v_m_s"]
-        return told | (told.pop("eccentric") or {})
+        return told
 
 
 @dataclass(frozen=True)
@@ -297,11 +250,6 @@ class Flight(WithTanks):
         return tuple(leg for leg in self.legs if leg_kind(leg.kind).on_time_grid)
 
     @property
-    def eccentric(self) -> tuple[EccentricFlight, ...]:
-        """Legs with an eccentric orbit."""
-        return tuple(leg.eccentric for leg in self.legs if leg.eccentric is not None)
-
-    @property
     def true_legs(self) -> tuple[LegFlight, ...]:
         """Legs that were also flown on true orbits."""
         return tuple(leg for leg in self.legs if leg.on_true_orbits)
@@ -311,37 +259,12 @@ class Flight(WithTanks):
         """ΔV of those legs on true orbits; None if any does not arrive [m/s]."""
         return whole_sum(leg.true_delta_v_m_s for leg in self.true_legs)
 
-    @property
-    def worst_true_miss_m(self) -> float | None:
-        """Largest miss of all legs on true orbits; None if some leg cannot be flown [m]."""
-        misses = [
-            leg.miss_m if leg.eccentric is None else leg.eccentric.true_miss_m for leg in self.legs
-        ]
-        known = [miss for miss in misses if miss is not None]
-        return max(known, default=0.0) if len(known) == len(misses) else None
-
-    @property
-    def eccentricity_delta_v_m_s(self) -> float:
-        """ΔV reserved by the plan for eccentricity vectors [m/s]."""
-        return sum(leg.eccentricity_delta_v_m_s for leg in self.eccentric)
-
-    @property
-    def correction_delta_v_m_s(self) -> float | None:
-        """Extra ΔV of the corrected last arcs; None if any is unknown [m/s]."""
-        return whole_sum(leg.correction_delta_v_m_s for leg in self.eccentric)
-
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data: the output of ``fly --json``."""
         told: dict[str, Any] = {"dynamics": self.dynamics, "worst_miss_m": self.worst_miss_m}
         if self.dynamics == "j2":
             # Former versions flew legs of eccentric orbits between circles alone.
             told["between_circles"] = False
-        if self.eccentric:
-            told |= {
-                "worst_true_miss_m": self.worst_true_miss_m,
-                "eccentricity_delta_v_m_s": self.eccentricity_delta_v_m_s,
-                "correction_delta_v_m_s": self.correction_delta_v_m_s,
-            }
         if self.true_legs:
             told["true_delta_v_m_s"] = self.true_delta_v_m_s
         if self.chasers:

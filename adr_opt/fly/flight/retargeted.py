@@ -84,7 +84,19 @@ def true_state(
 def following(
     orbit: Orbit, oblateness_m2: float, time_s: float, length_m: float, decay_m_per_day: float = 0.0
 ) -> Array:
-    """State of the point that follows a body on its orbit, slightly delayed, (6,)."""
+    """State of the point that follows a body on its orbit, slightly delayed, (6,).
+
+    Parameters
+    ----------
+    orbit : Orbit
+    oblateness_m2 : float
+        J2 R² of the instance's dynamics, 0 in two-body motion [m²].
+    time_s : float
+        Since the epoch [s].
+    length_m : float
+        By which the point is behind, along the orbit [m].
+    decay_m_per_day : float
+    """
     speed = math.hypot(*true_state(orbit, oblateness_m2, time_s, decay_m_per_day)[3:])
     return true_state(orbit, oblateness_m2, time_s - length_m / speed, decay_m_per_day)
 

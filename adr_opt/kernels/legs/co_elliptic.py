@@ -112,6 +112,8 @@ class Pair(NamedTuple):
     perigee_lag: float  # ω_j − ω_i at t = 0 [rad]
     perigee_lag_rate: float  # [rad/s]
     free_speed: float  # v of free burns, 0 where a leg has the price of its sequence [m/s]
+    turning: float  # no sequence of this pair costs less, but for its phasing [m/s]
+    swing: float  # what a second more or less than ``flight`` costs at least, for k = 0 [m/s per s]
     acceleration_i: float  # of the arguments of latitude of decaying orbits, else 0 [rad/s²]
     acceleration_j: float
 
@@ -171,6 +173,18 @@ def lap_time(r, widening):
     return scale * r * root * pace(r, widening), first, 0.75 * scale / root
 
 
+@inlined
+def least_swing(largest):
+    """What phasing costs at least for a second of its flight time, by the largest radius.
+
+    Burns before and after the turn are at least 0.2 v/r for each metre between the phasing radius
+    and that of an end (vis-viva at the largest radius; 0.25 v/r between near radii), and both ways
+    together are at least twice the distance from the middle. Kepler's third law at the largest
+    radius gives the seconds of a metre: 1.5 π (2 − f + 2 k) / (v r).
+    """
+    return 0.4 * MU_M3_S2 / (1.5 * math.pi * largest * largest)
+
+
 @kernel
 def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
     """Compute the data of the transfer i → j that do not depend on the departure.
@@ -228,7 +242,9 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
     reference = 0.5 * (ri + rj)
     turn = 4.0 * math.sin(0.5 * theta) ** 2
     floor, low, high = max(turn_floor, matching_alone), rule.min_radius, rule.max_radius
-    free_speed = 0.0
+    free_speed, swing = 0.0, 0.0
+    if not (drifts or rule.free):
+        swing = least_swing(max(ri, rj, rule.max_radius))
     if rule.free:
         free_speed = math.sqrt(MU_M3_S2 / math.sqrt(ri * rj))
         # Apsides of the orbit between both ends, whose eccentricity vector is half way.
@@ -289,6 +305,8 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
         perigee_j - perigee_i,
         perigee_rate_j - perigee_rate_i,
         free_speed,
+        fixed + turn_floor * (1.0 - 1e-12),
+        swing,
         ephemeris.latitude_acceleration_at(orbit_i, time),
         ephemeris.latitude_acceleration_at(orbit_j, time),
     )

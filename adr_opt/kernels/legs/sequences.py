@@ -4,7 +4,7 @@ With Δ the lead of the target at departure, the phase condition reads n_j T = 3
 s = k + m: the flight time depends on (k, m) through s alone. So the search runs over s with T
 ascending, and inside over the few k whose phasing radius lies within the altitude limits. Since w·T
 grows by w·P_j with every s, it stops as soon as w·T plus a floor of the ΔV exceeds the best cost
-found: no later sequence can win.
+found: no later sequence can win. A sequence whose phasing must cost too much is not solved for.
 """
 
 import math
@@ -57,7 +57,7 @@ def best_sequence(pair, rule, departure, lead, windows, body, after, most=math.i
     k_max = rule.max_phasing_revolutions
     phase = 3.0 * math.pi - lead + rule.standoff / pair.radius_j
     s = math.ceil((pair.shortest * pair.rate_j - phase) / TURN_RAD)
-    until = last_begin(windows, body)
+    until, laps = last_begin(windows, body), 2.0 - rule.first_leg_fraction
     last = min(pair.longest + k_max * pair.longest_lap, until - after)
     while True:
         time = (phase + TURN_RAD * s) / pair.rate_j
@@ -69,6 +69,11 @@ def best_sequence(pair, rule, departure, lead, windows, body, after, most=math.i
         # The k whose range of times [T(r_min), T(r_max)] holds this time.
         k = max(0, math.ceil((time - pair.longest) / pair.longest_lap))
         while k <= k_max and pair.shortest + k * pair.shortest_lap <= time:
+            # What its phasing costs at least, before it is solved for.
+            swing = pair.swing * abs(time - pair.flight - k * pair.lap) / (laps + 2.0 * k)
+            if pair.turning + swing + worth > best_cost:
+                k += 1
+                continue
             r = phasing_radius(pair, rule, k, time)
             delta_v = leg_delta_v(pair, rule, k, r, departure, time, pair.turn)
             cost = delta_v + worth

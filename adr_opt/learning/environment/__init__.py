@@ -18,11 +18,12 @@ except ImportError:
     raise MissingExtra("the environment", "gymnasium", "rl") from None
 
 from ..episodes.board import OBSERVATIONS
+from ..episodes.worlds import TROUBLED, TROUBLES
 from .fields import PUBLISHED, VARIED, Fields, Limits
 from .mission_env import MissionEnv
 from .plain import in_json
 from .spaces import space
-from .variants import RANDOMISED, REDUCED_FUEL, REDUCED_TIME, TROUBLED, TROUBLES
+from .variants import RANDOMISED, REDUCED_FUEL, REDUCED_TIME
 
 if TYPE_CHECKING:
     from .vector import MissionVecEnv

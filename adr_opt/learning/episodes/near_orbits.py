@@ -17,14 +17,26 @@ IntArray = npt.NDArray[np.int64]
 
 
 @kernel
-def _write_distances(points, body, others, away):
-    """Distances of a body from some others [m/s]."""
-    for place in range(others.size):
+def _nearest(points, body, is_asked, is_first, found):
+    """Write the bodies nearest to one, the first ones before all; returns their number."""
+    away, kept = np.empty(found.size), 0
+    for j in range(len(points)):
+        if not is_asked[j]:
+            continue
         total = 0.0
         for axis in range(points.shape[1]):
-            difference = points[others[place], axis] - points[body, axis]
-            total += difference * difference
-        away[place] = np.sqrt(total)
+            total += (points[j, axis] - points[body, axis]) ** 2
+        if is_first[j]:
+            total -= np.inf
+        if kept == found.size and not total < away[kept - 1]:
+            continue
+        kept = min(kept + 1, found.size)
+        at = kept - 1
+        while at > 0 and away[at - 1] > total:
+            away[at], found[at] = away[at - 1], found[at - 1]
+            at -= 1
+        away[at], found[at] = total, j
+    return kept
 
 
 class OrbitPlaces:
@@ -53,11 +65,12 @@ class OrbitPlaces:
         self._known = np.full(bodies, count == 0)
         self._near = np.zeros((bodies, count), dtype=np.int64)
 
-    def distances(self, body: int, others: IntArray) -> FloatArray:
-        """Distances of a body from some others [m/s]."""
-        found = np.empty(others.size)
-        _write_distances(self.points, int(body), others, found)
-        return found
+    def nearest_of(
+        self, body: int, asked: npt.NDArray[np.bool_], first: npt.NDArray[np.bool_], count: int
+    ) -> IntArray:
+        """At most so many of the bodies asked for, the nearest to one, ``first`` before all."""
+        found = np.empty(count, dtype=np.int64)
+        return found[: _nearest(self.points, int(body), asked, first, found)]
 
     def neighbours_of(self, bodies: IntArray) -> IntArray:
         """Nearest targets of some bodies, themselves left out, the nearest first."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from ...common.constants import HOUR_S
 from ...common.errors import InputError
 from ...common.files import parse_content
 from ...kernels.episodes import episodes as episode_kernels
@@ -21,7 +23,14 @@ from ...kernels.tables.stacked_timetables import listed_in
 from ...legs.connection_finder import ConnectionFinder
 from ...plan.leg_kinds import leg_kinds
 from ...problem.instance import Instance
-from ...problem.uncertainty import CaptureUncertainty, LognormalFactor, Uncertainty
+from ...problem.uncertainty import (
+    CaptureUncertainty,
+    Delay,
+    LegUncertainty,
+    LognormalFactor,
+    ServiceUncertainty,
+    Uncertainty,
+)
 from ...problem.world import OUTCOMES, draw_key
 from ...run.warm_up import practice_mission
 from .board import OBSERVATIONS, Board
@@ -275,3 +284,36 @@ def practise() -> None:
                 board.observe_these(pool.arrays, episodes, which, worlds)
                 taken = 0, 1, actions, rewards, board.order
                 kernels.act_in_worlds(pool.arrays, episodes, worlds, *taken)
+
+
+def troubled(spread: float, success: float, delayed: float) -> Uncertainty:
+    """A model of uncertainty by three numbers.
+
+    Parameters
+    ----------
+    spread : float
+        Of the lognormal factor on the ΔV of a leg.
+    success : float
+        Chance that a try at a target succeeds, of two; a quarter of the others are gone.
+    delayed : float
+        Chance that a service takes 4 hours more on average, at three times that spread.
+    """
+    return Uncertainty(
+        legs=LegUncertainty(delta_v_factor=LognormalFactor(lognormal_sigma=spread)),
+        service_s=ServiceUncertainty(
+            factor=LognormalFactor(lognormal_sigma=3.0 * spread),
+            added=Delay(chance=delayed, mean_s=4.0 * HOUR_S),
+        ),
+        capture=CaptureUncertainty(success=success, tries=2),
+        gone=0.25 * (1.0 - success),
+    )
+
+
+TROUBLED = troubled(0.1, 0.8, 0.1)
+"""Legs of spread 0.1, services of spread 0.3 of which one in ten is delayed, captures that succeed
+with a chance of 0.8 in each of two tries, and one target in twenty gone."""
+
+TROUBLES = tuple(
+    troubled(*each) for each in product((0.0, 0.05, 0.1, 0.2), (1.0, 0.9, 0.8, 0.6), (0.0, 0.1))
+)
+"""Models from none to twice the trouble, of which each episode draws one."""

@@ -1,8 +1,8 @@
 """The network of the policy in PyTorch, and the same under MaskablePPO of sb3-contrib (``[rl]``).
 
-A state is a set of tokens, its cheapest choices (:mod:`..policy`). Weights are shared by all of
-them, so that they fit any number of targets; attention between tokens knows how their orbits lie
-to each other. :meth:`..policy.Policy.scores` is the same in NumPy.
+A state is a set of tokens, its cheapest choices. Weights are shared by all of them, so that they
+fit any number of targets; attention between tokens knows how their orbits lie to each other.
+:mod:`...kernels.episodes.set_scores` is the same, compiled.
 """
 
 from __future__ import annotations
@@ -30,11 +30,9 @@ from ...kernels.episodes.choices import (
     LEGAL,
     PHASE,
 )
-from ..episodes.board import MISSION, MOVES
-from ..policy import (
+from ...kernels.episodes.set_scores import (
     CONTEXT,
     EQUAL,
-    FAR_AWAY,
     HEADS,
     LAST,
     PLACE,
@@ -43,6 +41,10 @@ from ..policy import (
     TOKENS,
     UNSEEN,
 )
+from ..episodes.board import MISSION, MOVES
+
+FAR_AWAY = 1e4
+"""What hides those from attention that are not there."""
 
 
 class SetNetwork(nn.Module):
@@ -98,7 +100,7 @@ class SetNetwork(nn.Module):
         Returns
         -------
         scores : (batch, actions)
-            Not masked; :data:`..policy.UNSEEN` where a choice is none of the tokens.
+            Not masked; :data:`.set_scores.UNSEEN` where a choice is none of the tokens.
         value : (batch,)
             Prizes still to come, in units of the training's reward.
         """

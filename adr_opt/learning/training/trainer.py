@@ -35,8 +35,8 @@ def model_of(config: Config, env: MissionVecEnv, seed: int, device: str) -> Mask
     """A new MaskablePPO model of a configuration."""
     kwargs: dict[str, Any] = dict(config.network)
     policy: Any = SetPolicy
-    if config.observation == "published":
-        policy = "MlpPolicy"
+    if "net_arch" in kwargs:
+        policy = "MlpPolicy" if config.observation == "published" else "MultiInputPolicy"
         kwargs["activation_fn"] = torch.nn.Tanh
     return MaskablePPO(
         policy,
@@ -80,6 +80,7 @@ class Keeper(BaseCallback):
         Time between checkpoints [s].
     enough : callable
     report : callable
+    held : HeldFields
     """
 
     def __init__(
@@ -90,11 +91,11 @@ class Keeper(BaseCallback):
         checkpoint_s: float,
         enough: Callable[[], bool],
         report: Report,
+        held: HeldFields,
     ) -> None:
         super().__init__()
         self.run, self.config, self.every, self.checkpoint_s = run, config, every, checkpoint_s
-        self.enough, self.report = enough, report
-        self.held = HeldFields()
+        self.enough, self.report, self.held = enough, report, held
         state = run.state
         self.best = state.get("best", -math.inf)
         self.spent_s = state.get("seconds", 0.0)
@@ -115,6 +116,9 @@ class Keeper(BaseCallback):
         self.model.lr_schedule = lambda _: self.config.rate * strength
         model: Any = self.model
         model.ent_coef = self.config.entropy * strength
+        model.batch_size = self.config.batch * (
+            1 if strength > 0.5 else 2 if strength > 0.25 else 4
+        )
         self.report(self.num_timesteps, {})
         if self.num_timesteps >= self._next:
             self._evaluate()
@@ -151,7 +155,7 @@ class Keeper(BaseCallback):
         return choose
 
     def _keep(self, name: str) -> None:
-        if self.config.observation == "choices":
+        if isinstance(self.model.policy, SetPolicy):
             card = self.run.card(self.num_timesteps)
             policy_of(self.model, card).save(self.run.folder / f"{name}.npz")
 
@@ -171,6 +175,7 @@ def train(  # noqa: PLR0913
     checkpoint_s: float = 60.0,
     enough: Callable[[], bool] = lambda: False,
     report: Report = lambda steps, means: None,
+    held: HeldFields | None = None,
 ) -> None:
     """Train into a folder, from its last checkpoint if it has one.
 
@@ -190,6 +195,8 @@ def train(  # noqa: PLR0913
     enough : callable
         Asked after every step; True ends the training with a checkpoint.
     report : callable
+    held : HeldFields, optional
+        By which the training is watched; those of the block ``val`` if None.
 
     Raises
     ------
@@ -227,5 +234,7 @@ def train(  # noqa: PLR0913
             read_checkpoint(model, run.checkpoint)
             # A new model seeds the environment as at the beginning.
             env.seed((seed + done) % 2**32)
-        keeper = Keeper(run, config, evaluate_every, checkpoint_s, enough, report)
+        keeper = Keeper(
+            run, config, evaluate_every, checkpoint_s, enough, report, held or HeldFields()
+        )
         model.learn(config.steps - done, callback=keeper, reset_num_timesteps=done == 0)

@@ -143,7 +143,19 @@ def within_limits(
     dropped: list[Dropped],
     choice: ObjectChoice,
 ) -> ROWS:
-    """Rows propagated by SGP4 and passed by the filters; the others go to ``dropped``."""
+    """Rows propagated by SGP4 and passed by the filters; the others go to ``dropped``.
+
+    Parameters
+    ----------
+    candidates : list of ElementSet
+    elements : (object, element) float64
+        Columns of :data:`~.propagation.ELEMENTS`; rows of NaN where SGP4 fails.
+    filters : Filters
+    dropped : list of Dropped
+        Appended to, with the reason.
+    choice : ObjectChoice
+        Objects that pass whatever the filters say.
+    """
     keep = np.isfinite(elements[:, 0])
     free = np.array([id(record) not in choice.musts for record in candidates])
     for reason, outside in filters.outside(elements).items():

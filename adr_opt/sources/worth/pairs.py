@@ -62,7 +62,19 @@ def threads(jobs: int) -> int:
 def totals(
     objects: CollidingObjects, tables: CollisionTables, cells: int, jobs: int, show: Show
 ) -> Totals:
-    """Sums over all pairs of objects that are sorted by perigee."""
+    """Sums over all pairs of objects that are sorted by perigee.
+
+    Parameters
+    ----------
+    objects : CollidingObjects
+    tables : CollisionTables
+    cells : int
+        Number of cells of the matrix of who meets whom, in either direction.
+    jobs : int
+        Number of threads; 0 for all cores.
+    show : callable
+        Told the blocks that are done, and their number.
+    """
     count = len(objects.tilts)
     found = Totals(np.zeros((count, 4)), np.full(count, -1), np.zeros((cells, cells)))
 

@@ -54,10 +54,8 @@ def command(
 ) -> int:
     """Fly the burns of PLAN in the dynamics of INSTANCE and measure how far each leg misses.
 
-    Legs with an eccentric orbit are also flown on the true orbits, with retargeted burns. In
-    two-body motion, the output also states where the original burns lead, and the cost of a
-    corrected last arc: a Lambert arc to the true stand-off. Exit status 1: a tank does not suffice
-    for the flown burns, those of drift legs included.
+    Legs with an eccentric orbit are also flown on the true orbits, with retargeted burns. Exit
+    status 1: a tank does not suffice for the flown burns, those of drift legs included.
 
     A refined plan is flown in true dynamics, by a different integrator from the one that made it.
     Exit status 1: an arrival misses by more than 1 m or 1 mm/s, or onto ephemerides by more than
@@ -75,7 +73,7 @@ def command(
     from .fly_refined import fly_and_tell
 
     check_out(out, instance_path)  # the plan itself may be written again, with a note more
-    forces = Asked(*(asked.pop(name) for name in Asked._fields))
+    forces = param.taken(Asked, asked)
     sampling = Sampling(**asked)
     forces.refuse_stray(sampling.samples)
     sampling.refuse_stray()
@@ -113,8 +111,6 @@ def command(
         )
         if flight.drifts:
             emit(_drifts(flight))
-        if flight.eccentric:
-            _tell_eccentric(flight)
         if flight.true_legs:
             emit("on the true orbits: " + _truth(flight))
         off = off_circles(admitted.instance, admitted.plan)
@@ -141,19 +137,10 @@ def annotated(plan: Plan, flight: Flight) -> Plan:
 def _truth(flight: Flight) -> str:
     legs = flight.true_legs
     planned = sum(leg.planned_delta_v_m_s for leg in legs)
-    told = (
+    return (
         f"{counted(len(legs), 'leg')} planned with {planned:.1f} m/s, and flown with "
         f"{_or_unknown(flight.true_delta_v_m_s, '.1f')} m/s by retargeted burns"
     )
-    if flight.eccentric:
-        miss = _or_unknown(flight.worst_true_miss_m, ".4g")
-        more = _or_unknown(flight.correction_delta_v_m_s, ".2f")
-        told += (
-            f"; as they are, the burns miss by up to {miss} m, and corrected last arcs alone cost "
-            f"{more} m/s beyond the burns of the plan, which sets "
-            f"{flight.eccentricity_delta_v_m_s:.2f} m/s aside for it"
-        )
-    return told
 
 
 def _drifts(flight: Flight) -> str:
@@ -185,34 +172,13 @@ def _tell_misses(flight: Flight) -> None:
             ("planned\nm/s", lambda leg: f"{leg.planned_delta_v_m_s:.1f}"),
             ("burns\nm/s", lambda leg: f"{leg.burns_delta_v_m_s:.1f}"),
         ]
-    if flight.dynamics == "j2" and flight.true_legs:
+    if flight.true_legs:
         columns.append(("true\nm/s", _true_delta_v))
     emit_legs(flight.legs, columns, whose(flight.tanks))
 
 
 def _true_delta_v(leg: LegFlight) -> str:
     return _or_unknown(leg.true_delta_v_m_s, ".1f") if leg.on_true_orbits else ""
-
-
-def _tell_eccentric(flight: Flight) -> None:
-    from .tables import emit_legs, whose
-
-    true = {leg.leg: leg.eccentric for leg in flight.legs if leg.eccentric is not None}
-    emit_legs(
-        [leg for leg in flight.legs if leg.leg in true],
-        (
-            ("true\nmiss m", lambda leg: _or_unknown(true[leg.leg].true_miss_m, ".4g")),
-            ("aside\nm/s", lambda leg: f"{true[leg.leg].eccentricity_delta_v_m_s:.2f}"),
-            ("true\nm/s", lambda leg: _or_unknown(leg.true_delta_v_m_s, ".2f")),
-            (
-                "corrected\nm/s",
-                lambda leg: _or_unknown(true[leg.leg].correction_delta_v_m_s, ".2f"),
-            ),
-            ("last arc\nm/s", lambda leg: f"{true[leg.leg].last_arc_delta_v_m_s:.2f}"),
-            ("Lambert\nm/s", lambda leg: _or_unknown(true[leg.leg].lambert_delta_v_m_s, ".2f")),
-        ),
-        whose(flight.tanks),
-    )
 
 
 def _or_unknown(value: float | None, form: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,7 +18,6 @@ from .parameters import check_out
 if TYPE_CHECKING:
     from ...problem.instance import Instance
     from ...problem.orbit import Orbit
-    from ...problem.settings import ApproachName
     from ...sources.catalogue import Imported
     from ...sources.ephemerides.imported import WithEphemerides
 
@@ -86,9 +85,7 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 @click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
 @param.file("--out", "Instance file to write.", required=True)
-@param.word(
-    "--epoch", "TIME", "Epoch (ISO, UTC); by default the latest of the elements.", name="epoch_text"
-)
+@param.word("--epoch", "TIME", "Epoch (ISO, UTC); by default the latest of the elements.")
 @param.word("--altitude", "LO:HI", "Mean altitudes to keep [km].")
 @param.word("--inclination", "LO:HI", "Inclinations to keep [deg].")
 @param.word("--raan", "LO:HI", "RAANs to keep [deg]; 350:10 goes through 0.")
@@ -139,23 +136,12 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 def command(
     files: tuple[str, ...],
     out: str,
-    epoch_text: str | None,
     altitude: str | None,
     inclination: str | None,
     raan: str | None,
     names: tuple[str, ...],
     max_targets: int | None,
     station: str | None,
-    duration_days: float,
-    dynamics: Literal["j2", "two-body"],
-    no_refuelling: bool,
-    drift_step_days: float | None,
-    max_drift_days: float | None,
-    departure_spacing_days: float | None,
-    resolution: float | None,
-    burns: Literal["sequence", "free"] | None,
-    approach: ApproachName | None,
-    keep_out: float | None,
     only_prized: bool,
     criticality: bool,
     ephemerides: bool,
@@ -163,7 +149,7 @@ def command(
     skip_bad: bool,
     as_json: bool,
     quiet: bool,
-    **crew_given: Any,
+    **given: Any,
 ) -> int:
     """Make an instance of the objects in FILE..., propagated by SGP4 to one epoch.
 
@@ -177,14 +163,15 @@ def command(
     from ...sources.mission_options import MissionOptions, check_objects, naming_options
     from .bars import busy_bar, wanted
 
-    check_out(out, *files, *messages, crew_given["prizes_path"])
+    check_out(out, *files, *messages, given["prizes_path"])
     check_objects(names, max_targets)
-    given = CrewOptions.of(crew_given)
+    options = param.taken(MissionOptions, given)
+    crew_asked = CrewOptions.of(given)
     with naming_options():
-        crew = given.crew()
-    if only_prized and crew_given["prizes_path"] is None:
+        crew = crew_asked.crew()
+    if only_prized and crew_asked.prizes_path is None:
         raise InputError("--only-prized: there are no rows without --prizes; give a file")
-    demands = replace(given.demands(), by_criticality=criticality, only_wished=only_prized)
+    demands = replace(crew_asked.demands(), by_criticality=criticality, only_wished=only_prized)
     filters = catalogue.Filters(
         altitude_km=None if altitude is None else parse_range(altitude, "--altitude"),
         inclination_deg=None if inclination is None else parse_range(inclination, "--inclination"),
@@ -192,19 +179,7 @@ def command(
         names=names,
     )
     fitted_by = "--oem" if messages else "--ephemerides" if ephemerides else None
-    mission = MissionOptions(
-        epoch_text,
-        duration_days,
-        dynamics,
-        no_refuelling,
-        drift_step_days,
-        max_drift_days,
-        departure_spacing_days,
-        resolution,
-        burns,
-        approach,
-        keep_out,
-    ).outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by)
+    mission = options.outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by)
     with naming_options(), busy_bar(wanted(as_json, quiet), "reading objects"):
         found = catalogue.read(files, skip_bad=skip_bad)
         made = catalogue.to_instance(

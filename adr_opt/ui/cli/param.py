@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from inspect import signature
 from typing import Any, TypeVar
 
 import click
 
 from . import complete
 
+Record = TypeVar("Record")
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -55,6 +57,11 @@ def together(*options: Callable[[Any], Any]) -> Callable[[Function], Function]:
         return function
 
     return add
+
+
+def taken(kind: type[Record], given: dict[str, Any]) -> Record:
+    """Values of a verb's options by a record of them, taken out of those that are given."""
+    return kind(**{name: given.pop(name) for name in signature(kind).parameters})
 
 
 instance = click.argument("instance_path", metavar="INSTANCE", shell_complete=complete.files)

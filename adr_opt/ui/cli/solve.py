@@ -169,13 +169,10 @@ def command(
     bound_name: str | None,
     out: str | None,
     certificate_path: str | None,
-    confidence: float | None,
-    expected: bool,
-    uncertainty_path: str | None,
     no_fly: bool,
     as_json: bool,
     quiet: bool,
-    **refining_options: Any,
+    **asked: Any,
 ) -> int:
     """Plan the mission of INSTANCE and show its timeline.
 
@@ -209,7 +206,7 @@ def command(
     say_doubts(instance, quiet=quiet)
     start = None if start_path is None else Plan.load(start_path)
     check_out(out, instance_path)
-    refining = Refining(**refining_options)
+    refining, uncertain = param.taken(Refining, asked), param.taken(Uncertain, asked)
     check_certificate(
         certificate_path,
         instance,
@@ -222,7 +219,6 @@ def command(
         refine=refining.refine,
     )
     refining.check(instance_path, out)
-    uncertain = Uncertain(confidence, expected, uncertainty_path)
     uncertain.check(
         {
             "--refine": refining.refine,
@@ -231,7 +227,7 @@ def command(
             "--margin": margin > 0.0,
             "--iterations": iterations is not None,
             "--memory": memory_gib is not None,
-            "--bound": expected and bound_name is not None,
+            "--bound": uncertain.expected and bound_name is not None,
         }
     )
     given = front.RunOptions(

@@ -95,7 +95,18 @@ def in_km(points_m: Array) -> Array:
 def path_lines(
     instance: Instance, plan: Plan, tracks: tuple[DrawnArc, ...], width: float, *, by_chaser: bool
 ) -> list[Line]:
-    """Flown arcs in space [km], at most one revolution of each."""
+    """Flown arcs in space [km], at most one revolution of each.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+    tracks : tuple of DrawnArc
+    width : float
+        Of the lines [points].
+    by_chaser : bool
+        Whether colours are those of chasers, not of phases.
+    """
     return strands(
         instance,
         plan,

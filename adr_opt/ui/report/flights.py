@@ -71,12 +71,6 @@ def _of_plan(flight: Flight, *, is_refined: bool) -> str:
         "state with the planner. The miss is that at the stand-off, and with it the speed relative "
         "to it; at the arrival what the linear equations of the approach leave."
     )
-    is_true = any(leg.eccentric for leg in flight.legs)
-    if is_true:
-        said += (
-            " Between eccentric orbits also where the burns lead on the true ones, and what a "
-            "corrected last arc costs; aside is what the plan sets aside for it."
-        )
     columns: list[Column | bool] = [
         ("leg", "n", lambda leg: str(leg.leg)),
         ("from → to", "", lambda leg: route_cell(leg.origin, leg.destination)),
@@ -86,9 +80,7 @@ def _of_plan(flight: Flight, *, is_refined: bool) -> str:
         ("miss m", "n", lambda leg: _small(leg.miss_m)),
         ("relative m/s", "n", lambda leg: _small(leg.relative_speed_m_s)),
         ("at arrival m", "n", lambda leg: _small(leg.arrival_miss_m)),
-        is_true and ("true miss m", "n", lambda leg: _true(leg, 0)),
-        is_true and ("aside m/s", "n", lambda leg: _true(leg, 1)),
-        is_true and ("corrected m/s", "n", lambda leg: _true(leg, 2)),
+        bool(flight.true_legs) and ("true orbits m/s", "n", _true),
     ]
     legs = table_of("Flown legs", columns, ((leg,) for leg in flight.legs))
     if is_refined:
@@ -97,13 +89,9 @@ def _of_plan(flight: Flight, *, is_refined: bool) -> str:
     return f"<h3>The plan, flown</h3><p>{said}</p>{legs}{tanks}"
 
 
-def _true(leg: LegFlight, at: int) -> str:
-    """A cell on the flight between the true orbits: miss, what is set aside, and correction."""
-    flown = leg.eccentric
-    if flown is None:
-        return NOTHING
-    costs = flown.eccentricity_delta_v_m_s, flown.correction_delta_v_m_s
-    return _known(costs[at - 1]) if at else _small(flown.true_miss_m)
+def _true(leg: LegFlight) -> str:
+    """ΔV of a leg on the true orbits, if it was flown there."""
+    return _known(leg.true_delta_v_m_s) if leg.on_true_orbits else NOTHING
 
 
 def _known(delta_v_m_s: float | None) -> str:

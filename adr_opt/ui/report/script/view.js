@@ -24,8 +24,14 @@ function whole() {
   const first = motion.chasers.find(({ arcs }) => arcs.length);
   if (!first) return;
   const state = arcState(first.arcs[0], first.arcs[0][BEGIN]);
-  const node = cross([0, 0, 1], cross(state.r, state.v));
-  camera.eye = sum(over(state, size(node) > 0 ? node : state.r), [0, 0, 0.25]);
+  const normal = cross(state.r, state.v);
+  const node = cross([0, 0, 1], normal);
+  const place = size(node) > 0 ? node : state.r;
+  // Of the four sides that show the orbit so, the one that has most daylight.
+  const sides = [1, -1].flatMap((way) => [1, -1].map((half) =>
+    over({ r: scaled(state.r, way), v: state.v }, scaled(place, half))));
+  const sun = sunDirection(reach()[0]);
+  camera.eye = sum(sides.reduce((best, one) => (dot(one, sun) > dot(best, sun) ? one : best)), [0, 0, 0.25]);
   Object.assign(camera, { up: [0, 0, 1], centre: [0, 0, 0], nearer: 1 });
 }
 
