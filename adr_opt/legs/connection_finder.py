@@ -125,7 +125,7 @@ class ConnectionFinder:
 
         Only short ones, which are not waited for and cost what the model says.
         """
-        told = self._spent or self.corrections or self.ends.pieced
+        told = self._spent or self.corrections or self.ends.pieced or self.ends.launched
         return not told and registry.has_only_short(self.instance)
 
     @property

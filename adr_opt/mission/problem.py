@@ -178,7 +178,7 @@ class Problem(Shown, Prizes):
         stations = [name in instance.station_names for name in given.names]
         if np.isin(given.destination, np.flatnonzero(stations)).any():
             return False
-        spent = chaser.usable.spent_m_s + mission.reserve_m_s
+        spent = chaser.spent_m_s + mission.reserve_m_s
         dearest = float(given.cost.max(initial=0.0))
         return targets * dearest <= chaser.usable.delta_v_m_s - spent
 

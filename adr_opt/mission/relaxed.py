@@ -34,13 +34,13 @@ def with_tank(chaser: Chaser, scale: float) -> Chaser:
     if isinstance(tank, TankByMass):
         propellant_kg = min(scale * tank.propellant_kg, LARGEST_MASS_KG)
         larger = tank.replace(propellant_kg=propellant_kg, initial_propellant_kg=None)
-        if tank.spent_m_s > 0.0:
-            left_m_s = larger.delta_v_m_s - tank.spent_m_s
+        if chaser.spent_m_s > 0.0:
+            left_m_s = larger.delta_v_m_s - chaser.spent_m_s
             left_kg = tank.dry_mass_kg * math.expm1(left_m_s / tank.exhaust_m_s)
             larger = larger.replace(initial_propellant_kg=max(left_kg, 0.0))
         return chaser.replace(tank=larger, end_of_life_m_s=None)
     full = min(scale * tank.delta_v_m_s, LARGEST_DELTA_V_M_S)
-    initial = full - tank.spent_m_s if tank.spent_m_s else None
+    initial = full - chaser.spent_m_s if chaser.spent_m_s else None
     tank = Tank(delta_v_m_s=full, initial_delta_v_m_s=initial)
     return chaser.replace(tank=tank, end_of_life_m_s=None)
 

@@ -50,7 +50,7 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
     full = [(1.0 - margin) * chaser.usable.full_m_s(float(mass)) + SLACK_M_S for mass in cargo]
     first = list(full)
     if chaser.lacks_by_mass:
-        lacking = [chaser.usable.spent_with_m_s(float(mass)) for mass in cargo]
+        lacking = [chaser.spent_with_m_s(float(mass)) for mass in cargo]
         first = [each - less for each, less in zip(full, lacking, strict=True)]
     scale = np.ones((takes.size, most + 1))
     loss = np.zeros_like(scale)
@@ -146,7 +146,7 @@ def followed(
     tows = removals_by_name(instance, drive_of(chaser, instance.targets))
     cargo_kg = kits * chaser.kit_mass_kg
     left = _less(
-        chaser, kits, tank.full_m_s(cargo_kg) - tank.spent_with_m_s(cargo_kg), vented_kg, 0
+        chaser, kits, tank.full_m_s(cargo_kg) - chaser.spent_with_m_s(cargo_kg), vented_kg, 0
     )
     found = [Aboard(left, _mass_kg(chaser, kits, left), kits, left)]
     for at, (destination, delta_v) in enumerate(legs):
@@ -220,8 +220,7 @@ def carried(
     without = tank.dry_mass_kg + end.kits * chaser.kit_mass_kg
     loaded = chaser.tank
     assert isinstance(loaded, TankByMass)
-    initial = loaded.initial_propellant_kg
-    aboard = loaded.propellant_kg if initial is None else initial
+    aboard = loaded.first_kg(start.kits * chaser.kit_mass_kg, chaser.most_kg)
     return Carried(
         start.mass_kg, aboard - never, start.kits, used, end.mass_kg - without, end.mass_kg
     )
@@ -255,7 +254,7 @@ def tank_worths(
     if not isinstance(chaser.usable, TankByMass):
         refuellings = sum(destination in instance.station_names for destination, _ in legs)
         full = chaser.usable.delta_v_m_s
-        return (full - chaser.usable.spent_m_s, *(full,) * refuellings)
+        return (full - chaser.spent_m_s, *(full,) * refuellings)
     stages = followed(instance, chaser, legs, towing_m_s, vented_kg)
     worths, used = [], 0.0
     for (destination, delta_v), stage in zip(legs, stages[1:], strict=True):

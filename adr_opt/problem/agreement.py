@@ -135,6 +135,24 @@ def check_separation(chasers: Sequence[Chaser], mission: MissionSettings) -> Non
         )
 
 
+def check_launches(
+    chasers: Sequence[Chaser], mission: MissionSettings, *, is_given: bool, drifts: bool
+) -> None:
+    """Launches into orbits need drifting nodes, the model's connections and times of their own."""
+    for number, chaser in enumerate(chasers):
+        for wrong, why in (
+            (not drifts, 'into planes that drift; write dynamics "j2"'),
+            (is_given, "to legs of the model, but connections are given; leave one of them out"),
+            (
+                mission.launch_separation_s is not None,
+                "when the plan says, and not in the order of mission.launch_separation_s; leave "
+                "that out, and give available_s",
+            ),
+        ):
+            if chaser.launch is not None and wrong:
+                raise ValueError(f"field chasers[{number}].start.launch: it leads {why}")
+
+
 def check_thrust(
     chasers: Sequence[Chaser], transfer: TransferSettings, *, zones: bool, drifts: bool
 ) -> None:

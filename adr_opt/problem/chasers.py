@@ -6,6 +6,7 @@ import math
 from collections.abc import Collection, Sequence
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import (
     Discriminator,
     Field,
@@ -16,11 +17,12 @@ from pydantic import (
     model_validator,
 )
 
-from ..common.constants import STANDARD_GRAVITY_M_S2
+from ..common.constants import EARTH_RADIUS_M, STANDARD_GRAVITY_M_S2
 from ..common.errors import InputError
 from ..common.records import (
     LARGEST_DELTA_V_M_S,
     LARGEST_EXPENSE,
+    LARGEST_LENGTH_M,
     LARGEST_MASS_KG,
     LARGEST_THRUST_N,
     Count,
@@ -34,6 +36,9 @@ from ..common.sentences import sentence
 from .orbit import Decay, Orbit
 
 TANK_BY_MASS = {"dry_mass_kg", "propellant_kg", "isp_s"}
+
+TOO_HEAVY_M_S = 1.0
+"""What is missing beyond a full tank where a launcher does not lift a chaser with its kits."""
 
 TWO_KINDS = (
     "a tank is Tank(delta_v_m_s=…), counted in ΔV, or TankByMass(dry_mass_kg=…, propellant_kg=…, "
@@ -61,11 +66,77 @@ class InOrbit(Record):
         return without(write(self), "decay_m_per_day")
 
 
+class Launch(Record):
+    """A circle that a launcher reaches at any time, in the plane of any node.
+
+    ``launcher`` says what it lifts there: altitudes [m], ascending, and masses of a chaser with
+    propellant and kits [kg], linear between; in no file that does not state it.
+    """
+
+    altitude_m: Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
+    inclination_deg: Annotated[float, Field(ge=0.0, le=180.0)]
+    launcher: (
+        Annotated[
+            tuple[Annotated[tuple[float, float], Field(strict=False)], ...],
+            Field(strict=False, min_length=1),
+        ]
+        | None
+    ) = None
+
+    @model_validator(mode="after")
+    def _reaches(self) -> Self:
+        if self.launcher is None:
+            return self
+        heights = [altitude for altitude, _ in self.launcher]
+        if heights != sorted(set(heights)) or min(kg for _, kg in self.launcher) < 0:
+            raise ValueError(
+                f"launcher = {self.launcher!r}: give rows [altitude_m, mass_kg], altitudes "
+                "ascending and masses of at least 0"
+            )
+        if not heights[0] <= self.altitude_m <= heights[-1]:
+            raise ValueError(
+                f"altitude_m = {self.altitude_m!r}: the launcher is given from {heights[0]!r} to "
+                f"{heights[-1]!r}; give it for that altitude as well"
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_no_launcher(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "launcher")
+
+    @property
+    def most_kg(self) -> float:
+        """The most that a chaser may weigh at launch; infinite without a launcher [kg]."""
+        if self.launcher is None:
+            return math.inf
+        altitudes, masses = np.transpose(self.launcher)
+        return float(np.interp(self.altitude_m, altitudes, masses))
+
+
+class LaunchedInto(Record):
+    """Start by a launch into an orbit, with the node of the first target at that time."""
+
+    launch: Launch
+
+    @property
+    def orbit(self) -> Orbit:
+        """The circle, with an arbitrary node and place."""
+        return Orbit(
+            semi_major_axis_m=EARTH_RADIUS_M + self.launch.altitude_m,
+            eccentricity=0.0,
+            inclination_deg=self.launch.inclination_deg,
+            raan_deg=0.0,
+            argument_of_perigee_deg=0.0,
+            true_anomaly_deg=0.0,
+        )
+
+
 def _kind(value: Any) -> str | None:
     """Tag of the kind of place that a value describes; tags in brackets are for readers only."""
     if value == "anywhere":
         return "(word)"
-    for kind, model in (("station", AtStation), ("orbit", InOrbit)):
+    kinds = ("station", AtStation), ("orbit", InOrbit), ("launch", LaunchedInto)
+    for kind, model in kinds:
         if isinstance(value, model) or (isinstance(value, dict) and kind in value):
             return f"({kind})"
     return None
@@ -74,11 +145,13 @@ def _kind(value: Any) -> str | None:
 Start = Annotated[
     Annotated[Literal["anywhere"], Tag("(word)")]
     | Annotated[AtStation, Tag("(station)")]
-    | Annotated[InOrbit, Tag("(orbit)")],
+    | Annotated[InOrbit, Tag("(orbit)")]
+    | Annotated[LaunchedInto, Tag("(launch)")],
     Discriminator(
         _kind,
         custom_error_type="start",
-        custom_error_message='must be {"station": NAME}, {"orbit": ORBIT} or "anywhere"',
+        custom_error_message='must be {"station": NAME}, {"orbit": ORBIT}, {"launch": LAUNCH} or '
+        '"anywhere"',
     ),
 ]
 
@@ -131,13 +204,8 @@ class Tank(_OfTwoKinds):
             initial_delta_v_m_s=None if initial is None else initial - reserve_m_s,
         )
 
-    def spent_with_m_s(self, cargo_kg: float) -> float:
+    def spent_with_m_s(self, cargo_kg: float, most_kg: float) -> float:
         """ΔV missing from a full tank at the start, with cargo aboard [m/s]."""
-        return self.spent_m_s
-
-    @property
-    def spent_m_s(self) -> float:
-        """ΔV missing from a full tank at the start [m/s]."""
         initial = self.initial_delta_v_m_s
         return 0.0 if initial is None else self.delta_v_m_s - initial
 
@@ -197,18 +265,23 @@ class TankByMass(_OfTwoKinds):
             initial_propellant_kg=None if initial is None else initial - kept_kg,
         )
 
-    def spent_with_m_s(self, cargo_kg: float) -> float:
-        """ΔV missing from a full tank at the start, with cargo aboard [m/s]."""
+    def first_kg(self, cargo_kg: float, most_kg: float) -> float:
+        """Propellant at the start of a chaser of some mass at most; less than 0 if too heavy."""
         initial = self.initial_propellant_kg
-        if initial is None:
-            return 0.0
-        empty_kg = self.dry_mass_kg + cargo_kg
-        return self.full_m_s(cargo_kg) - self.exhaust_m_s * math.log1p(initial / empty_kg)
+        first_kg = self.propellant_kg if initial is None else initial
+        return min(first_kg, most_kg - self.dry_mass_kg - cargo_kg)
 
-    @property
-    def spent_m_s(self) -> float:
-        """ΔV missing from a full tank at the start, without cargo [m/s]."""
-        return self.spent_with_m_s(0.0)
+    def spent_with_m_s(self, cargo_kg: float, most_kg: float) -> float:
+        """ΔV missing from a full tank at the start, with cargo aboard, as of :meth:`first_kg`.
+
+        More than all of it where cargo is too heavy [m/s].
+        """
+        first_kg, full_m_s = self.first_kg(cargo_kg, most_kg), self.full_m_s(cargo_kg)
+        if first_kg == self.propellant_kg:
+            return 0.0
+        if first_kg < 0.0:
+            return full_m_s + TOO_HEAVY_M_S
+        return full_m_s - self.exhaust_m_s * math.log1p(first_kg / (self.dry_mass_kg + cargo_kg))
 
     @model_validator(mode="after")
     def _can_be_counted(self) -> Self:
@@ -358,8 +431,24 @@ class Chaser(Record):
         return self
 
     @model_validator(mode="after")
+    def _is_lifted(self) -> Self:
+        if self.most_kg == math.inf:
+            return self
+        if not isinstance(self.tank, TankByMass):
+            raise ValueError(
+                "start.launch.launcher limits masses, but the tank is given in ΔV; give its "
+                "dry_mass_kg, propellant_kg and isp_s, or leave the launcher out"
+            )
+        if self.tank.dry_mass_kg > self.most_kg:
+            raise ValueError(
+                f"tank.dry_mass_kg = {self.tank.dry_mass_kg!r}: the launcher lifts "
+                f"{self.most_kg:g} kg to that altitude; launch lower, or make the chaser lighter"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _begins_with_it(self) -> Self:
-        if self.tank.spent_m_s > 0.0 and isinstance(self.start, AtStation):
+        if self.spent_m_s > 0.0 and isinstance(self.start, AtStation):
             raise ValueError(
                 "field tank: its content at the start is given, but a station fills it; start in "
                 "an orbit, or leave it out"
@@ -368,7 +457,7 @@ class Chaser(Record):
 
     @model_validator(mode="after")
     def _keeps_no_more_than_it_has(self) -> Self:
-        most = self.tank.delta_v_m_s - self.tank.spent_m_s
+        most = self.tank.delta_v_m_s - self.tank.spent_with_m_s(0.0, self.most_kg)
         if self.end_of_life_m_s is not None and self.end_of_life_m_s >= most:
             raise ValueError(
                 f"end_of_life_m_s = {self.end_of_life_m_s!r}: the tank has {most:g} m/s at the "
@@ -387,6 +476,29 @@ class Chaser(Record):
         kept_m_s = self.end_of_life_m_s
         return self.tank if kept_m_s is None else self.tank.keeping(kept_m_s)
 
+    def launch(self) -> Launch | None:
+        """The launch into an orbit that it starts with; None for any other start."""
+        return self.start.launch if isinstance(self.start, LaunchedInto) else None
+
+    @property
+    def awaits_launch(self) -> bool:
+        """Whether it is nowhere before its first leg."""
+        return self.is_launched or self.launch is not None
+
+    @property
+    def most_kg(self) -> float:
+        """The most that it may weigh at the start; infinite where no launcher limits it [kg]."""
+        return math.inf if self.launch is None else self.launch.most_kg
+
+    def spent_with_m_s(self, cargo_kg: float) -> float:
+        """ΔV missing from a full tank at the start, with cargo aboard [m/s]."""
+        return self.usable.spent_with_m_s(cargo_kg, self.most_kg)
+
+    @property
+    def spent_m_s(self) -> float:
+        """ΔV missing from a full tank at the start, without cargo [m/s]."""
+        return self.spent_with_m_s(0.0)
+
     @property
     def lacks_by_mass(self) -> bool:
         """Whether its tank is not full at the start and the ΔV missing depends on masses.
@@ -394,13 +506,13 @@ class Chaser(Record):
         Then what lacks goes with the kits that are taken along, or must not be counted as flown.
         """
         weighs = self.kit_mass_kg > 0.0 or (self.expense is not None and self.expense.counts_mass)
-        return weighs and self.tank.spent_m_s > 0.0
+        return weighs and (self.spent_m_s > 0.0 or self.most_kg < math.inf)
 
     @property
     def start_name(self) -> str:
         """Name of the body where it starts: a station, or its own name for an orbit of its own.
 
-        And its own for a chaser that is launched onto its first target, and is nowhere before.
+        And its own for one that is launched, and is nowhere before.
         """
         return self.start.station if isinstance(self.start, AtStation) else self.name
 

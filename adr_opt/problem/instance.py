@@ -25,8 +25,16 @@ from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.orbits.eccentricity import matchings
 from ..kernels.orbits.ephemeris import EPOCH_S
 from .bodies import Target
-from .capture_windows import Array, FileWindows, WindowFile, file_of, intervals_of, read_windows
-from .chasers import availability
+from .capture_windows import (
+    Array,
+    FileWindows,
+    WindowFile,
+    file_of,
+    intervals_of,
+    read_windows,
+    windows_from,
+)
+from .chasers import Chaser, availability
 from .ephemerides import EphemeridesFile
 from .format_2 import FORMAT as FORMAT
 from .given import Given, only
@@ -51,6 +59,7 @@ class Instance(Shown, InstanceFile):
     _windows: FileWindows | None = PrivateAttr(default=None)
     _folder: Path | None = PrivateAttr(default=None)
     _rows: KeptRows = PrivateAttr(default_factory=KeptRows)
+    _known_as: str | None = PrivateAttr(default=None)
 
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.
@@ -80,6 +89,17 @@ class Instance(Shown, InstanceFile):
         if made.windows == self.windows:
             made._windows = self._windows
         return made
+
+    def known_as(self, chasers: tuple[Chaser, ...]) -> Self:
+        """The same mission with chasers that have been launched; it keeps its SHA-256."""
+        made = self.replace(chasers=chasers)
+        made._known_as = self.sha256
+        return made
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file written by :meth:`to_json`; plans carry it."""
+        return self._known_as or super().sha256
 
     def with_given(
         self, given: Given, file: str | None = None, functions_file: str | None = None
@@ -206,6 +226,13 @@ class Instance(Shown, InstanceFile):
             )
         return self._windows.intervals.get(target.name, np.empty((0, 2)))
 
+    def with_own_windows(self, target: Target) -> Target:
+        """A target whose windows stand in the file, with them as its own."""
+        if self.windows is None:
+            return target
+        intervals = windows_from(self.intervals_of(target)) or ((0.0, 0.0),)
+        return target.replace(window_s=(0.0, None), windows_s=intervals)
+
     def without_closings(self) -> Self:
         """The same instance with targets of which each may be captured once its window opens."""
         opened = []
@@ -303,8 +330,7 @@ class Instance(Shown, InstanceFile):
     def start_bodies(self) -> dict[str, Orbit]:
         """Chasers' own start orbits, by name of the chaser.
 
-        A chaser that is launched anywhere has none: an orbit stands there so that each body has
-        one, and no transfer leads to it or from it (:attr:`launches`).
+        See :attr:`.numbering.Numbering.start_bodies` for those that are launched.
         """
         return self.numbering.start_bodies
 
@@ -327,9 +353,9 @@ class Instance(Shown, InstanceFile):
         :class:`adr_opt.kernels.rules.loads.Loads`.
         """
         return {
-            self.names.index(chaser.name): chaser.usable.spent_m_s
+            self.names.index(chaser.name): chaser.spent_m_s
             for chaser in self.chasers
-            if chaser.usable.spent_m_s > 0.0 and not chaser.lacks_by_mass
+            if chaser.spent_m_s > 0.0 and not chaser.lacks_by_mass
         }
 
     @property

@@ -25,6 +25,7 @@ from .agreement import (
     check_decay,
     check_expense,
     check_falling_prizes,
+    check_launches,
     check_names,
     check_orbits,
     check_removals,
@@ -117,6 +118,7 @@ class InstanceFile(Record):
         )
         check_separation(self.chasers, self.mission)
         is_given = self.transfer.given is not None
+        check_launches(self.chasers, self.mission, is_given=is_given, drifts=self.dynamics == "j2")
         check_orbits(self.stations, self.targets, self.mission, is_given=is_given)
         if is_given and self.keep_out_zones:
             raise ValueError(
@@ -248,7 +250,7 @@ class InstanceFile(Record):
 
 def _tank_of(chaser: Chaser, delta_v_m_s: float) -> dict[str, float]:
     """A resized tank of a chaser; its ΔV at the start stays if it fits."""
-    spent, full = chaser.tank.spent_m_s, chaser.tank.delta_v_m_s
+    spent, full = chaser.spent_m_s, chaser.tank.delta_v_m_s
     if spent == 0.0:
         return {"delta_v_m_s": delta_v_m_s}
     return {"delta_v_m_s": delta_v_m_s, "initial_delta_v_m_s": min(full - spent, delta_v_m_s)}

@@ -42,12 +42,13 @@ class Numbering:
     def start_bodies(self) -> dict[str, Orbit]:
         """Chasers' own start orbits, by name of the chaser.
 
-        A chaser that is launched anywhere has none: an orbit stands there so that each body has
-        one, and no transfer leads to it or from it.
+        One that is launched into an orbit has that with any node, and one that is launched anywhere
+        has none: an orbit stands there so that each body has one, and no transfer leads to it or
+        from it.
         """
         some = (self.targets[0].orbit if self.targets else None) or LEO
         return {
-            chaser.name: chaser.start.orbit if isinstance(chaser.start, InOrbit) else some
+            chaser.name: some if chaser.start == "anywhere" else chaser.start.orbit
             for chaser in self.chasers
             if not isinstance(chaser.start, AtStation)
         }

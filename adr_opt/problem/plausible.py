@@ -87,6 +87,9 @@ def _heights(instance: Instance) -> Iterator[tuple[str, float]]:
         if isinstance(chaser.start, InOrbit):
             at = f"chasers[{number}].start.orbit.semi_major_axis_m"
             yield at, chaser.start.orbit.semi_major_axis_m
+        if chaser.launch is not None:
+            at = f"chasers[{number}].start.launch.altitude_m"
+            yield at, EARTH_RADIUS_M + chaser.launch.altitude_m
 
 
 def _durations(instance: Instance) -> Iterator[tuple[str, float]]:

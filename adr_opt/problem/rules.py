@@ -232,8 +232,16 @@ RULES = {
     ),
     "start orbits": Rule(
         ("chasers[].start", "chasers[].start.orbit", *_at("chasers[].start.orbit", ORBIT)),
-        _chasers(lambda c: not (c.starts_at_station or c.is_launched)),
+        _chasers(lambda c: not (c.starts_at_station or c.is_launched or c.launch)),
         "start at a station",
+    ),
+    "launches into orbits": Rule(
+        (
+            *("chasers[].start", "chasers[].start.launch"),
+            *_at("chasers[].start.launch", "altitude_m inclination_deg launcher"),
+        ),
+        _chasers(lambda c: c.launch is not None),
+        'start "anywhere"',
     ),
     "launches": Rule(
         ("chasers[].start", "mission.launch_separation_s"),
@@ -257,7 +265,7 @@ RULES = {
     ),
     "tanks not full": Rule(
         _at("chasers[].tank", "initial_delta_v_m_s initial_propellant_kg"),
-        _chasers(lambda c: c.tank.spent_m_s > 0.0),
+        _chasers(lambda c: c.spent_m_s > 0.0),
     ),
     "low thrust": Rule(
         ("chasers[].thrust_n", "chasers[].duty_cycle", "transfer.mass_class"),
@@ -406,7 +414,7 @@ TOGETHER = frozenset(
 RELEASES = frozenset({"disposal by perigee", "lifetimes", "controlled re-entry"})
 """What is asked of objects that are released."""
 
-MODELLED = frozenset({"free burns", "safety ellipse"})
+MODELLED = frozenset({"free burns", "safety ellipse", "launches into orbits"})
 """Rules of the model's own connections: whoever takes these as they are follows them."""
 
 JUDGED = (
@@ -422,12 +430,13 @@ JUDGED = (
 """What both judges state once more, and all follow that make, hold, compare and show what planners
 are told and plan: a rule comes in here by hand, with its judges."""
 
-PLAYED = (FIRST | MODELLED | {"visits between refuellings"}) - {
+PLAYED = (FIRST | MODELLED | {"visits between refuellings", "capture windows"}) - {
     "bodies without an orbit",
     "prizes that fall",
     "number of stations",
     "start orbits",
     "launches",
+    "launches into orbits",
     "late availability",
     "ends",
     "most targets",

@@ -25,7 +25,7 @@ def tour_obstacle(instance: Instance) -> str | None:
     if not instance.targets or not chaser.is_launched or not _are_alike(instance):
         return 'its chasers are not all alike and launched from "anywhere"'
     few = [most for most in (*chaser.most_visits, chaser.kits) if most is not None]
-    if min(few, default=len(instance.targets)) < len(instance.targets) or chaser.tank.spent_m_s:
+    if min(few, default=len(instance.targets)) < len(instance.targets) or chaser.spent_m_s:
         return f"{chaser.name!r} has a limit of targets or kits, or a tank that is not full"
     if len({target.removal for target in instance.targets}) > 1:
         return "some targets take kits and others do not"

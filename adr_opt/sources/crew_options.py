@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from ..common.constants import DAY_S
 from ..common.errors import InputError
 
 if TYPE_CHECKING:
-    from ..problem.chasers import AnyTank, Expense
+    from ..problem.chasers import AnyTank, Expense, LaunchedInto
     from ..problem.disposal import Disposal
     from .catalogue import Crew, Demands
 
@@ -143,6 +143,8 @@ class CrewOptions(NamedTuple):
     launches: int | None
     launch_every: float | None
     launch_separation: float | None
+    launch_into: str | None
+    launcher: str | None
     expense: str | None
     thrust: float | None
     duty_cycle: float | None
@@ -176,6 +178,7 @@ class CrewOptions(NamedTuple):
         for option, value in (
             ("--launch-every", self.launch_every),
             ("--launch-separation", self.launch_separation),
+            ("--launch-into", self.launch_into),
         ):
             if value is not None and self.launches is None:
                 raise InputError(f"{option}: nothing is launched; say how often with --launches")
@@ -188,6 +191,7 @@ class CrewOptions(NamedTuple):
         return Crew(
             tank=tank,
             launches=self.launches or 0,
+            start=self._start(),
             apart_s=usual_s if self.launch_every is None else DAY_S * self.launch_every,
             kits=fitting.kits,
             kit_mass_kg=fitting.kit_mass or 0.0,
@@ -200,6 +204,33 @@ class CrewOptions(NamedTuple):
             thrust_n=self.thrust,
             duty_cycle=self.duty_cycle,
         )
+
+    def _start(self) -> LaunchedInto | Literal["anywhere"]:
+        """Where launches lead."""
+        from pydantic import ValidationError
+
+        from ..common.sentences import sentence
+        from ..problem.chasers import Launch, LaunchedInto
+
+        if self.launch_into is None:
+            if self.launcher is not None:
+                raise InputError("--launcher: onto which orbit? Give --launch-into as well")
+            return "anywhere"
+        said = [] if self.launcher is None else self.launcher.split(",")
+        try:
+            altitude_km, inclination = map(float, self.launch_into.split(","))
+            rows = [map(float, row.split("=")) for row in said]
+            lifts = [(1e3 * km, kg) for km, kg in rows]
+        except ValueError:
+            raise InputError(
+                f"--launch-into {self.launch_into!r}, --launcher {self.launcher!r}: give "
+                "ALTITUDE_KM,INCLINATION and KM=KG,KM=KG…"
+            ) from None
+        launch: dict[str, Any] = {"altitude_m": 1e3 * altitude_km, "inclination_deg": inclination}
+        try:
+            return LaunchedInto(launch=Launch(**launch | ({"launcher": lifts} if lifts else {})))
+        except ValidationError as error:
+            raise InputError(f"--launch-into {self.launch_into!r}: {sentence(error)}") from None
 
     def _check_thrust(self) -> None:
         from ..common.records import LARGEST_THRUST_N

@@ -76,16 +76,15 @@ class RouteEngine:
         self._prize = prizes = np.array(problem.planning_prizes)
         self._targets = first + np.flatnonzero(prizes[first:] > 0.0)
         missions = problem.missions
-        tanks = [mission.chaser.usable for mission in missions]
-        reserves = [mission.reserve_m_s for mission in missions]
         self._terms = EngineTerms(
             prizes,
             np.array(
                 [
-                    tank.delta_v_m_s - tank.spent_m_s - reserve + SLACK_M_S
-                    for tank, reserve in zip(tanks, reserves, strict=True)
+                    each.chaser.usable.delta_v_m_s - each.chaser.spent_m_s - each.reserve_m_s
+                    for each in missions
                 ]
-            ),
+            )
+            + SLACK_M_S,
             np.array([min(mission.limits) for mission in missions], dtype=np.int64),
             instance.objective.cost == "duration",
             float(instance.time_m_s_per_s),

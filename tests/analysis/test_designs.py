@@ -64,6 +64,17 @@ def test_each_axis_changes_what_it_says() -> None:
     assert [since / YEAR_S for since, _ in half] == [0.0, 0.5]
     later = designed(field, one("start", 7.0 * DAY_S)).available_s
     assert [since / DAY_S for since, _ in later] == [7.0, 27.0]
+    moved = designed(field, one("launch", 0.5 * YEAR_S))
+    assert [since / YEAR_S for since, _ in moved.available_s] == pytest.approx(
+        [0.5, 0.5 + 20.0 * DAY_S / YEAR_S]
+    )
+    assert moved.mission.duration_s == field.mission.duration_s + 0.5 * YEAR_S
+    lifted = [
+        chaser.replace(start={"launch": {"altitude_m": 5e5, "inclination_deg": 98.0}})
+        for chaser in field.chasers
+    ]
+    higher = designed(field.replace(chasers=tuple(lifted)), one("altitude", 6e5))
+    assert {chaser.launch.altitude_m for chaser in higher.chasers} == {6e5}
     for kind, value, found in (
         ("kits", 4.0, lambda chaser: chaser.kits),
         ("dry-mass", 300.0, lambda chaser: chaser.tank.dry_mass_kg),
@@ -110,6 +121,7 @@ def test_what_is_not_there_cannot_be_varied() -> None:
         ("kits", "takes a kit"),
         ("dry-mass", "without masses"),
         ("isp", "without masses"),
+        ("altitude", "launched into an orbit"),
     ):
         with pytest.raises(InputError, match=said):
             designed(tiny, one(kind, 3.0))

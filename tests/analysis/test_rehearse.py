@@ -14,7 +14,7 @@ import pytest
 import towed_fields
 import two_chasers
 from drawn_worlds import drawn_uncertainty
-from random_rules import random_campaign, random_mission
+from random_rules import captured, random_campaign, random_mission
 
 import adr_opt
 from adr_opt.analysis.rehearse.intended import intended
@@ -24,7 +24,7 @@ from adr_opt.analysis.rehearse.replay import replay
 from adr_opt.analysis.rehearse.sampling import Setting, flown_in, rehearse, setting_of
 from adr_opt.analysis.replan import remaining_plan
 from adr_opt.common.errors import InputError
-from adr_opt.plan.plan import Plan
+from adr_opt.plan.plan import InstanceReference, Plan
 from adr_opt.problem.chasers import Tank
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
@@ -158,6 +158,28 @@ def test_targets_gone_and_failed_captures_are_lost_for_that_reason() -> None:
     assert failed.end_s == pytest.approx(failed.hop.arrival + 2 * service_s)
 
 
+def test_each_try_waits_for_a_window() -> None:
+    """A capture that fails is tried again when the next window opens, and not after the last."""
+    instance, plan = tiny()
+    first = plan.legs[0]
+    stay_s = first.end_s - first.arrival_s
+    opens_s = first.arrival_s + 3.0 * stay_s
+    windows = [(0.0, first.arrival_s + 0.5 * stay_s), (opens_s, opens_s + 0.6 * stay_s)]
+    targets = tuple(
+        target.replace(windows_s=windows, capture_s=0.4 * stay_s)
+        if target.name == first.destination
+        else target
+        for target in instance.targets
+    )
+    made = instance.replace(targets=targets)
+    plan = plan.replace(instance=InstanceReference(name=made.name, sha256=made.sha256))
+    assert adr_opt.check(made, plan) == ()
+    model = Uncertainty(targets={first.destination: {"success": 0.0, "tries": 3}})
+    came = flown(made, plan, "follow", model)[0].chasers[0].made[0]
+    assert (came.outcome, came.tries) == ("capture", 2)
+    assert came.end_s == pytest.approx(opens_s + stay_s)
+
+
 def test_a_launch_that_slips_begins_later() -> None:
     """The first leg of a launched chaser arrives no earlier than its slip allows."""
     instance, plan = launched.campaign(), launched.planned()
@@ -213,7 +235,9 @@ def test_planners_elsewhere_use_one_core_each(monkeypatch: pytest.MonkeyPatch) -
     assert asked == [None, 1]
 
 
-@pytest.mark.parametrize("draw", [random_mission, random_campaign])
+@pytest.mark.parametrize(
+    "draw", [random_mission, random_campaign, lambda seed: captured(random_mission(seed), seed)]
+)
 def test_check_accepts_replays(draw) -> None:  # type: ignore[no-untyped-def]
     """A rehearsal as a plan of its world has its prize, and `check` finds nothing."""
     flown_some = 0

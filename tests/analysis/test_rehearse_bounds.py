@@ -11,6 +11,7 @@ import pytest
 from drawn_worlds import LATE, all_flown, drawn_uncertainty
 from plans import unjudged
 from random_rules import (
+    captured,
     drifting_mission,
     given_field,
     mixed_campaign,
@@ -38,6 +39,11 @@ from adr_opt.study import Place
 EPSILON = 1e-9
 
 
+def _captured(seed: int) -> Instance:
+    """Targets with several windows, visited or towed, by one chaser or several."""
+    return captured((random_mission, towing_mission, mixed_campaign)[seed % 3](seed), seed)
+
+
 @over_kinds(
     "draw, seeds",
     single=(random_mission, range(40), 3),
@@ -48,6 +54,7 @@ EPSILON = 1e-9
     launched=(roomy_launched, range(20), 2),
     towing=(towing_mission, range(20), 2),
     kits=(campaign_with_cargo, range(20), 2),
+    captured=(_captured, range(60), 3),
 )
 def test_no_policy_exceeds_a_bound_in_any_world(draw, seeds) -> None:  # type: ignore[no-untyped-def]
     """Neither its prize that of perfect information, nor what its tries are worth the penalised."""

@@ -6,7 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from random_rules import carrying, drifting_mission, given_mission, random_mission, towing_mission
+from random_rules import (
+    captured,
+    carrying,
+    drifting_mission,
+    given_mission,
+    random_mission,
+    towing_mission,
+)
 
 from adr_opt.analysis.rehearse.flying_chasers import FlyingChaser, refused
 from adr_opt.analysis.rehearse.mission_facts import Hop, MissionFacts
@@ -25,6 +32,7 @@ DRAWS: tuple[Callable[[int], Instance], ...] = (
     given_mission,
     towing_mission,
     lambda seed: carrying(random_mission(seed), seed),
+    lambda seed: captured(random_mission(seed), seed),
 )
 STATES = 40
 

@@ -68,6 +68,23 @@ def test_npz_holds_the_matrices_exactly(mission: Mission, tmp_path: Path) -> Non
     np.testing.assert_array_equal(written.delta_v, expected.delta_v)
 
 
+def test_netcdf_has_rows_of_windows(mission: Mission, tmp_path: Path) -> None:
+    """Each window is a row with its target, its times and how much of a service it holds."""
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("h5py")
+    first, second, *others = mission.instance.targets
+    first = first.replace(windows_s=[(0.0, 5e3), (9e3, None)], capture_s=100.0)
+    second = second.replace(window_s=(7.0, 1e5))
+    path = tmp_path / "costs.nc"
+    made = mission.instance.replace(targets=(first, second, *others))
+    write_matrix(Mission(made), path, DEPARTURES)
+    with xarray.open_dataset(path, engine="h5netcdf") as read:
+        assert read.window_target.values.tolist() == [first.name, first.name, second.name]
+        assert read.window_opens.values.tolist() == [0.0, 9e3, 7.0]
+        assert read.window_closes.values.tolist() == [5e3, np.inf, 1e5]
+        np.testing.assert_array_equal(read.window_capture.values, [100.0, 100.0, np.nan])
+
+
 def test_netcdf_holds_the_matrices_exactly(mission: Mission, tmp_path: Path) -> None:
     """Through xarray every number comes back, +inf included, with names and units."""
     xarray = pytest.importorskip("xarray")

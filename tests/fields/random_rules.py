@@ -641,7 +641,7 @@ def reserving(instance: Instance, seed: int) -> Instance:
         if (at == 0 or rng.random() < 0.7) and tank > spent
         else chaser
         for at, chaser in enumerate(instance.chasers)
-        for tank, spent in ((chaser.tank.delta_v_m_s, chaser.tank.spent_m_s),)
+        for tank, spent in ((chaser.tank.delta_v_m_s, chaser.spent_m_s),)
     ]
     return instance.replace(name=f"{instance.name}-reserving", chasers=tuple(chasers))
 
@@ -749,6 +749,35 @@ def full_mission(seed: int) -> Instance:
     return rounding(instance.replace(transfer=at_once), seed)
 
 
+def launching(instance: Instance, seed: int) -> Instance:
+    """The same with chasers launched into circles, by turns by a launcher that lifts little."""
+    rng, chasers = np.random.default_rng([17, seed]), []
+    orbits = [target.orbit for target in instance.targets]
+    for at, chaser in enumerate(instance.chasers):
+        if at and rng.random() < 0.3:
+            chasers.append(chaser)
+            continue
+        orbit, tank = orbits[int(rng.integers(len(orbits)))], chaser.tank
+        launch = {
+            "altitude_m": float(rng.uniform(650e3, 850e3)),
+            "inclination_deg": orbit.inclination_deg + float(rng.choice([0.0, 0.3])),
+        }
+        if isinstance(tank, TankByMass) and rng.random() < 0.7:
+            most_kg = tank.dry_mass_kg + float(rng.uniform(0.2, 1.4)) * tank.propellant_kg
+            launch["launcher"] = ((6e5, most_kg + 50.0), (9e5, most_kg))
+        chasers.append(chaser.replace(start={"launch": launch}))
+    return instance.replace(name=f"{instance.name}-launched", chasers=tuple(chasers))
+
+
+def launched_mission(seed: int) -> Instance:
+    """A mission of one chaser or several that are launched into orbits, with kits or tows."""
+    draw = random_campaign if seed % 2 else lambda seed, draw: draw(seed)
+    made = draw(seed, lambda seed: drifting_mission(seed // 2))
+    if seed % 5 < 3:
+        made = carrying(made, seed) if seed % 5 < 2 else towing(made, seed)
+    return launching(made, seed)
+
+
 DRAWS: dict[str, Callable[[int], Instance]] = {
     "random": random_mission,
     "drifting": drifting_mission,
@@ -774,6 +803,7 @@ DRAWS: dict[str, Callable[[int], Instance]] = {
     "reserving campaign": reserving_campaign,
     "free": free_mission,
     "full": full_mission,
+    "launched": launched_mission,
     "free hurried": lambda seed: freely(hurried_mission(seed), seed),
 }
 """All kinds of drawn fields that enumeration can tell the best plan of."""

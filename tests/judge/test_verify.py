@@ -15,6 +15,7 @@ from random_rules import (
     falling_mission,
     freely,
     given_mission,
+    launched_mission,
     mixed_campaign,
     random_campaign,
     random_mission,
@@ -53,6 +54,7 @@ every_rule = over_kinds(
     prizes=(variant, 0.5, range(30), 3),
     windows=(captured_mission, 0.2, range(60), 4),
     free=(lambda seed: freely(random_mission(seed), seed), 0.5, range(16), 2),
+    launched=(lambda seed: launched_mission(2 * seed), 0.3, range(30), 2),
     free_j2=(lambda seed: freely(drifting_mission(seed), seed), 0.4, range(16), 2),
     **{
         draw.__name__: (draw, 0.3, range(16), 3)

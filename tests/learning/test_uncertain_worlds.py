@@ -12,7 +12,7 @@ import gymnasium
 import numpy as np
 import pytest
 from drawn_worlds import drawn_uncertainty
-from random_rules import drifting_field
+from random_rules import captured, drifting_field
 from seeds import over_kinds
 from small_fields import SMALL, tiny
 
@@ -75,8 +75,7 @@ def some_field(seed: int) -> Instance:
     if seed % 4 == 1:
         targets = [each.replace(prize=float(rng.integers(0, 9))) for each in targets]
     if seed % 4 == 2:
-        opens = 0.3 * field.mission.duration_s
-        targets[0] = targets[0].replace(window_s=(opens, 2.5 * opens))
+        return captured(field, seed // 4)
     return field.replace(targets=tuple(targets))
 
 

@@ -1,4 +1,4 @@
-"""Free burns, safety ellipses and releases at once, against enumeration."""
+"""Free burns, safety ellipses, releases, launches and captures, against enumeration."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from against_enumeration import held, held_costs
-from random_rules import free_mission, full_mission
+from random_rules import captured_campaign, free_mission, full_mission, launched_mission
 from seeds import over_kinds
 
 from adr_opt.mission.problem import Problem
@@ -15,7 +15,13 @@ from adr_opt.problem.instance import Instance
 Draw = Callable[[int], Instance]
 
 
-@over_kinds("draw, seeds", full=(full_mission, range(300), 3), free=(free_mission, range(300), 2))
+@over_kinds(
+    "draw, seeds",
+    full=(full_mission, range(300), 3),
+    free=(free_mission, range(300), 2),
+    launched=(launched_mission, range(300), 4),
+    captured=(captured_campaign, range(200), 2),
+)
 def test_enumeration_knows_no_better_plans(draw: Draw, seeds: range) -> None:
     """What is planned passes `check`, and nothing above what is proven can be flown."""
     found = held((Problem(draw(seed)) for seed in seeds), "auto")

@@ -156,18 +156,22 @@ def tank_of(chaser: Chaser, margin: float, most_kits: int) -> Tank:
         initial = tank.delta_v_m_s if tank.initial_delta_v_m_s is None else tank.initial_delta_v_m_s
         each = most_kits + 1
         return Tank((usable,) * each, (usable - (tank.delta_v_m_s - initial),) * each)
-    exhaust_m_s, initial_kg = 9.80665 * tank.isp_s, tank.initial_propellant_kg
+    exhaust_m_s, propellant_kg = 9.80665 * tank.isp_s, tank.propellant_kg
+    initial_kg = propellant_kg if tank.initial_propellant_kg is None else tank.initial_propellant_kg
     dry_kg = tank.dry_mass_kg * math.exp(kept_m_s / exhaust_m_s)
-    propellant_kg = tank.propellant_kg - (dry_kg - tank.dry_mass_kg)
-    if initial_kg is None:
-        initial_kg = propellant_kg
-    else:
-        initial_kg -= dry_kg - tank.dry_mass_kg
+    kept_kg = dry_kg - tank.dry_mass_kg
+    propellant_kg, initial_kg = propellant_kg - kept_kg, initial_kg - kept_kg
+    lifted_kg = math.inf
+    if chaser.launch is not None and chaser.launch.launcher is not None:
+        (low_m, low_kg), (high_m, high_kg) = chaser.launch.launcher
+        share = (chaser.launch.altitude_m - low_m) / (high_m - low_m)
+        lifted_kg = low_kg + share * (high_kg - low_kg)
     for kits in range(most_kits + 1):
         empty_kg = dry_kg + kits * kit_kg
+        first_kg = min(initial_kg, lifted_kg - empty_kg)
         delta_v = exhaust_m_s * math.log((empty_kg + propellant_kg) / empty_kg)
         full.append(empty_kg * math.exp(delta_v * (1.0 - margin) / exhaust_m_s))
-        at_start.append(full[-1] * (empty_kg + initial_kg) / (empty_kg + propellant_kg))
+        at_start.append(full[-1] * (empty_kg + first_kg) / (empty_kg + propellant_kg))
     return Tank(tuple(full), tuple(at_start), exhaust_m_s, dry_kg, kit_kg)
 
 

@@ -122,6 +122,27 @@ def test_each_option_stands_for_itself(imported) -> None:
     assert adr_opt.load("out.json").chaser.kits is None
 
 
+def test_launches_into_orbits_reach_the_instance(imported) -> None:
+    """All chasers are launched into one circle, by a launcher that lifts so much."""
+    called = "--launches", "2", "--launch-every", "1", "--no-refuelling", *MASSES
+    lifted = "--launch-into", "500,97.5", "--launcher", "300=900,700=500"
+    outcome = imported(*called, *lifted)
+    assert outcome.status == 0, outcome
+    assert "2 launches, on day 0, 1\n" in outcome.err
+    for chaser in adr_opt.load("out.json").chasers:
+        assert (chaser.launch.altitude_m, chaser.launch.inclination_deg) == (500e3, 97.5)
+        assert chaser.most_kg == pytest.approx(700.0)
+    for wrong, said in (
+        (("--launch-into", "500"), "ALTITUDE_KM,INCLINATION"),
+        (("--launch-into", "500,200"), "180"),
+        (("--launch-into", "800,97.5", *lifted[2:]), "given from"),
+        (lifted[2:], "Give --launch-into"),
+    ):
+        outcome = imported(*called, *wrong)
+        assert outcome.status == 2
+        assert said in outcome.err
+
+
 def test_tows_reach_the_instance(imported) -> None:
     """Each target has the mass that is said, and is towed down to the circle or the perigee."""
     for option, disposal in (

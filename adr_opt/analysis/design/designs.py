@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from ...common.errors import InputError
-from ...problem.chasers import Chaser, TankByMass
+from ...problem.chasers import Chaser, LaunchedInto, TankByMass
 from ...problem.instance import Instance
 from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, Follower
 from ...problem.support import refuse
@@ -114,6 +114,12 @@ def designed(instance: Instance, design: Design) -> Instance:
         made = _separated(made, values["separation"])
     if "start" in values:
         made = _shifted(made, values["start"])
+    if "altitude" in values:
+        made = _lifted(made, values["altitude"])
+    if "launch" in values:
+        later_s = values["launch"] - min(chaser.available_s[0] for chaser in made.chasers)
+        made = _shifted(made, values["launch"])
+        made = made.with_limits(made.mission.duration_s + later_s)
     return made.with_limits(values.get("duration"), values.get("delta-v"), values.get("propellant"))
 
 
@@ -182,6 +188,23 @@ def _separated(instance: Instance, separation_s: float) -> Instance:
     )
     # What the file says of launches would push them further apart.
     return made.replace(mission=made.mission.replace(launch_separation_s=None))
+
+
+def _lifted(instance: Instance, altitude_m: float) -> Instance:
+    """Chasers that are launched into orbits, into higher or lower ones."""
+    if all(chaser.launch is None for chaser in instance.chasers):
+        raise InputError(
+            f"vary altitude: no chaser of {instance.name!r} is launched into an orbit; give one a "
+            'start {"launch": …}'
+        )
+    starts = [
+        LaunchedInto(launch=chaser.launch.replace(altitude_m=altitude_m))
+        if chaser.launch
+        else chaser.start
+        for chaser in instance.chasers
+    ]
+    every = zip(instance.chasers, starts, strict=True)
+    return _each(instance, [chaser.replace(start=start) for chaser, start in every])
 
 
 def _shifted(instance: Instance, start_s: float) -> Instance:

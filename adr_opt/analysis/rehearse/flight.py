@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
@@ -277,11 +278,13 @@ class _Rehearsal:
             self._flown.expected += self._worths.of_try(j, tries, caught=caught)
             if caught:
                 break
-            more = tries < world.uncertainty.tries_of(name)
+            again = float(service_begin(what.limits.windows, j, end))
+            more = tries < world.uncertainty.tries_of(name) and again < math.inf
             craft.free_s = end
             if not (more and self._policy.tries_again(now, j, tries)):
                 made(end, FAILED, tries)
                 return
+            end = again
         untowed = craft.left
         craft.left, craft.kits = float(left), int(kits)
         craft.serviced += 1

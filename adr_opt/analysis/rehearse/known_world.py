@@ -8,6 +8,7 @@ bound on this mission holds for every policy in that world:
 * a tank holds as much as the best of its fillings;
 * a chaser that gives up has tried once, at the worth of all tries that failed; both bodies may be
   visited, and where connections are given, to go on takes no longer than one try;
+* one try follows upon another at once, whatever its windows;
 * a target without success takes no kit, is not towed, and counts towards no maximum;
 * no target is required, and a chaser may end anywhere.
 
@@ -74,7 +75,7 @@ def known_problem(facts: MissionFacts, world: DrawnWorld, worth: Worth) -> Probl
     suffix = _suffix(facts.instance)
     stand_ins = [
         part
-        for target in facts.instance.targets
+        for target in map(facts.instance.with_own_windows, facts.instance.targets)
         for part in _parts(facts, world, worth, target, suffix)
     ]
     over_s = max((part.over_s for part in stand_ins if part.over_s is not None), default=None)
@@ -146,7 +147,9 @@ def _known_instance(
     objective = instance.objective
     if objective.cost == "expense":  # it is the prizes that count
         objective = Objective()
-    return instance.replace(targets=targets, chasers=chasers, mission=mission, objective=objective)
+    return instance.replace(
+        targets=targets, chasers=chasers, mission=mission, objective=objective, windows=None
+    )
 
 
 def _known_chaser(

@@ -98,9 +98,16 @@ class ChaserLimits(NamedTuple):
 
 
 FOLLOWS = Follower(
-    "rehearse", (FIRST | CAMPAIGNS | MODELLED) - SUPPLIES - {"low thrust", "prizes that fall"}
+    "rehearse",
+    (FIRST | CAMPAIGNS | MODELLED | {"capture windows"})
+    - SUPPLIES
+    - {"low thrust", "prizes that fall", "launches into orbits"},
 )
-"""What rehearsals and robust plans follow."""
+"""What rehearsals follow."""
+
+PROMISED = Follower("plans with a confidence", FOLLOWS.follows - {"capture windows"})
+"""What robust plans follow, and those of the largest expected prize: of stays with several windows
+it is not known how likely they end in time."""
 
 
 class MissionFacts:

@@ -102,6 +102,8 @@ def _as_instance(
         target.replace(
             required=False,
             window_s=(0.0, None),
+            windows_s=None,
+            capture_s=None,
             decay_m_per_day=None,
             fit=None,
             prize=0.0 if target.name in visited - serviced else target.prize,
@@ -119,6 +121,7 @@ def _as_instance(
         chasers=chasers,
         keep_out_zones=(),
         ephemerides=None,
+        windows=None,
         transfer=TransferSettings(),
         mission=MissionSettings(
             duration_s=instance.mission.duration_s, service_s=0.0, refuel_revolutions=0.0

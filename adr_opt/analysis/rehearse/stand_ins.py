@@ -9,7 +9,10 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from ...problem.bodies import Target
+from ...problem.capture_windows import intervals_of, windows_from
 from ...problem.instance import Instance
 from ...problem.world import DrawnWorld
 from .mission_facts import MissionFacts
@@ -100,11 +103,14 @@ def in_time(stand_ins: Sequence[StandIn], instance: Instance) -> list[StandIn]:
     """
     kept, mission_s, unit = list[StandIn](), instance.mission.duration_s, _unit(instance)
     for part in stand_ins:
-        opens_s, closes_s = part.target.window_s
         late_s = 0.0 if part.over_s is not None else max(part.took_s - part.planned_s, 0.0)
-        closes_s = min(mission_s - late_s, mission_s if closes_s is None else closes_s)
-        if closes_s > opens_s:
-            prize = _whole(part.target.prize, unit)
-            target = part.target.replace(prize=prize, window_s=(opens_s, closes_s))
+        capture_s = part.target.capture_s
+        over_s = late_s if capture_s is None else late_s + part.planned_s - capture_s
+        found = intervals_of(part.target.windows)
+        found[:, 1] = np.minimum(found[:, 1], mission_s - over_s)
+        found = found[found[:, 1] > found[:, 0]]
+        if len(found):
+            own = {"window_s": (0.0, None), "windows_s": windows_from(found)}
+            target = part.target.replace(prize=_whole(part.target.prize, unit), **own)
             kept.append(part._replace(target=target))
     return kept

@@ -240,7 +240,7 @@ def _state(
         kits = aboard.kits + kept
     elif kits is not None:
         kits -= kits_of(serviced, (leg.destination for leg in legs))
-    body = legs[-1].destination if legs else None if chaser.is_launched else chaser.start_name
+    body = legs[-1].destination if legs else None if chaser.awaits_launch else chaser.start_name
     since_s, _ = instance.available_s[instance.chasers.index(chaser)]
     free_s = since_s
     if legs:

@@ -11,6 +11,7 @@ from ...judge.check.zone_crossings import crossed
 from ...plan.after_tows import released_orbit
 from ...plan.station_limits import StationLimits
 from ...problem.bodies import Station
+from ...problem.capture_windows import file_of, intervals_of
 from ...problem.chasers import AtStation, Chaser, Expense, InOrbit
 from ...problem.drives import drive_of
 from ...problem.given import among
@@ -93,10 +94,17 @@ def remaining_instance(
                 f"lost {name!r}: it is done by then, or the leg to it has begun; tell it as missed "
                 "if it is not serviced"
             )
-    put = {state.body: put_s(instance, state) for state in states if state.is_put}
+    put = {state.body or "": put_s(instance, state) for state in states if state.is_put}
     targets = tuple(
         # A target still to be towed has no prize any more, and is there for its own chaser only.
-        target.replace(prize=0.0, prize_until=None, required=True, window_s=put[target.name])
+        target.replace(
+            prize=0.0,
+            prize_until=None,
+            required=True,
+            capture_s=None,
+            windows_s=None,
+            window_s=(0.0, None) if instance.windows else put[target.name],
+        )
         if target.name in put
         else target
         for target in instance.targets
@@ -109,7 +117,7 @@ def remaining_instance(
     stations = _stations_left(instance, states)
     if stations is None:
         return None
-    return _changed(
+    made = _changed(
         instance,
         states,
         name=name,
@@ -118,6 +126,16 @@ def remaining_instance(
         stations=stations,
         mission=mission,
     )
+    if instance.windows is None:
+        return made
+    windows = {each.name: instance.intervals_of(each) for each in targets}
+    windows |= {  # which are written to a millisecond
+        name: intervals_of([(max(begins_s - 1e-3, 0.0), ends_s + 1e-3)])
+        for name, (begins_s, ends_s) in put.items()
+    }
+    file = PurePath(instance.windows.file)
+    digest = file_of(windows).sha256[:8]
+    return made.with_windows(windows, f"{file.stem}-{digest}.csv")
 
 
 def _changed(instance: Instance, states: Sequence[ChaserState], **changes: Any) -> Instance:

@@ -21,7 +21,9 @@ from .starts import former_orders, in_order
 DEFAULT_TIME_LIMIT_S = 2.0
 
 
-FOLLOWS = Follower("replan", FIRST | CAMPAIGNS | MODELLED | RELEASES | {"functions of time"})
+FOLLOWS = Follower(
+    "replan", FIRST | CAMPAIGNS | MODELLED | RELEASES | {"functions of time", "capture windows"}
+)
 
 
 def replan(  # noqa: PLR0913

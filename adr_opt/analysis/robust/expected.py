@@ -30,7 +30,7 @@ from ...problem.uncertainty import Uncertainty
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run
 from ...run.methods import PLANNERS
 from ..rehearse.intended import intended
-from ..rehearse.mission_facts import FOLLOWS, MissionFacts
+from ..rehearse.mission_facts import PROMISED, MissionFacts
 from ..rehearse.outlook import FloatArray, Outlook, is_better
 from ..rehearse.service_delays import mean_delays_s
 from ..rehearse.tries import mean_worths
@@ -140,7 +140,7 @@ def expected(
     InputError
         The mission has a rule that rehearsals do not follow, or as :func:`adr_opt.solve` raises it.
     """
-    instance = followed(instance, FOLLOWS)
+    instance = followed(instance, PROMISED)
     uncertainty = uncertainty.of(instance)
     wanted = RunOptions(time_limit, seed, None, jobs=jobs, options=method_options)
     return _Search(instance, uncertainty, method, wanted, stop, progress).run()

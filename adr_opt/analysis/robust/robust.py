@@ -29,7 +29,7 @@ from ...problem.uncertainty import Uncertainty
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
 from ...run.methods import PLANNERS
 from ..rehearse.intended import Intended, intended
-from ..rehearse.mission_facts import FOLLOWS, MissionFacts
+from ..rehearse.mission_facts import PROMISED, MissionFacts
 from ..rehearse.sampling import Setting, flown_in
 from ..rehearse.tries import common_share, mean_worths
 from .careful_problem import Levels, as_it_is, between, careful_problem, equal, is_bounded, shared
@@ -96,7 +96,7 @@ def robust(  # noqa: PLR0913
     """
     if not 0.5 <= confidence < 1.0:
         raise InputError(f"confidence = {confidence!r}: must be at least 0.5 and below 1")
-    instance = followed(instance, FOLLOWS)
+    instance = followed(instance, PROMISED)
     uncertainty = uncertainty.of(instance)
     wanted = RunOptions(time_limit, seed, None, jobs=jobs, bound=bound, options=method_options)
     return _Search(instance, uncertainty, confidence, method, wanted, stop).run(progress)

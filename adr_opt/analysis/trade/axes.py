@@ -76,6 +76,8 @@ KINDS = {
         AxisKind("kits", "", 1.0, "kits aboard", of_designs=True, whole=True),
         AxisKind("dry-mass", "kg", 1.0, "dry mass [kg]", of_designs=True),
         AxisKind("start", "days", DAY_S, "first launch [days]", True, may_be_zero=True),
+        AxisKind("launch", "years", YEAR_S, "launch date [years]", True, may_be_zero=True),
+        AxisKind("altitude", "km", 1e3, "altitude launched into [km]", of_designs=True),
         AxisKind("budget", "euros", 1.0, "budget [euros]", of_designs=True),
     )
 }

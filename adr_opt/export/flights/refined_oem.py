@@ -17,6 +17,7 @@ from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.sampling import STEP_S
 from ...judge.admit import AnyRefined, admit
 from ...kernels.orbits.gravity import J3, J4
+from ...plan.launched import as_launched
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import chaser_wanted
 from ...problem.instance import Instance
@@ -74,6 +75,7 @@ def write_refined(
         There is something to turn to the frame, and astropy is not installed.
     """
     refined = admit(instance, refined).plan
+    instance = as_launched(instance, refined.planned)
     format, frame, object_id = file.format or "oem", file.frame, file.object_id
     check_frame(frame)
     check_writable(path)

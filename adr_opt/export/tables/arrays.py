@@ -8,6 +8,7 @@ later. Connections that another one dominates, up to the instance's resolution, 
 from __future__ import annotations
 
 import json
+import math
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -75,6 +76,35 @@ def write_npz(path: Path, mission: Mission, matrices: Matrices) -> None:
         )
 
 
+def _windows(instance: Instance) -> dict[str, tuple[str, Any, dict[str, str]]]:
+    """Rows of windows of targets that are limited, and what has to lie within one of them."""
+    every = [(each, instance.intervals_of(each)) for each in instance.targets]
+    limited = [(each, rows) for each, rows in every if instance.is_limited(each) and len(rows)]
+    if not limited:
+        return {}
+    times = np.concatenate([rows for _, rows in limited])
+    captures = [
+        math.nan if target.capture_s is None else target.capture_s
+        for target, rows in limited
+        for _ in rows
+    ]
+    names = [target.name for target, rows in limited for _ in rows]
+    return {
+        "window_target": ("window", names, {"long_name": "target of the window"}),
+        "window_opens": ("window", times[:, 0], {"long_name": "it opens", "units": "s"}),
+        "window_closes": (
+            "window",
+            times[:, 1],
+            {"long_name": "it closes, +inf for never", "units": "s"},
+        ),
+        "window_capture": (
+            "window",
+            captures,
+            {"long_name": "part of a service within it, NaN for all of it", "units": "s"},
+        ),
+    }
+
+
 CUBE = ("departure", "origin", "destination")
 
 
@@ -91,11 +121,12 @@ def dataset(mission: Mission, matrices: Matrices) -> xarray.Dataset:
     """Label the matrices with names, units and constants.
 
     The dimensions are ``departure`` (ready times), ``origin`` and ``destination`` (names).
-    Settings and constants are attributes, with their units in their names.
+    Windows of targets are rows along ``window``. Settings and constants are attributes, with their
+    units in their names.
     """
     import xarray
 
-    names = list(matrices.names)
+    names, instance = list(matrices.names), mission.instance
     return xarray.Dataset(
         {
             "delta_v": (
@@ -117,6 +148,7 @@ def dataset(mission: Mission, matrices: Matrices) -> xarray.Dataset:
                 mission.rules.service,
                 {"long_name": "service after arrival, at the station refuelling", "units": "s"},
             ),
+            **_windows(instance),
         },
         coords={
             "departure": (

@@ -78,7 +78,8 @@ MODEL_FILES = Follower(
 DEPOT_FILES = Follower(
     "a file with one depot",
     MODEL_FILES.follows
-    - {"capture windows", "number of stations", "start orbits", "launches", "prizes that fall"},
+    - {"capture windows", "number of stations", "prizes that fall"}
+    - {"start orbits", "launches", "launches into orbits"},
     "write transfers alone, as .npz, .nc or .parquet",
 )
 """Files of one depot, where the chaser starts and refuels, and of prizes that stay."""

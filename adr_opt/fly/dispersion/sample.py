@@ -13,6 +13,7 @@ from ...common.errors import InputError
 from ...common.processors import usable_cores
 from ...judge.admit import TANK, AnyRefined, admit
 from ...kernels.orbits.short_periods import Array
+from ...plan.launched import as_launched
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...plan.routes import several
 from ...problem.instance import Instance
@@ -172,6 +173,7 @@ def sample_flights(  # noqa: PLR0913
         raise InputError(f"share = {share:g}: must lie between 0 and 1")
     refined = admit(instance, refined, excused=TANK).plan
     refuse_strangers(instance, refined)
+    instance = as_launched(instance, refined.planned)
     if refined.has_thrust:
         raise InputError("the refined plan has low thrust, which is not flown with errors")
     if not refined.legs:

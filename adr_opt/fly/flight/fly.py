@@ -11,6 +11,7 @@ from ...common.errors import InputError
 from ...judge.admit import AnyPlan, admit
 from ...kernels.orbits import ephemeris
 from ...plan.after_tows import left_row
+from ...plan.launched import as_launched
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
@@ -51,6 +52,7 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
     admitted = admit(instance, plan)
     plan = admitted.plan
     refuse_what_cannot_be_flown(instance, plan)
+    instance = as_launched(instance, plan)
     motion = MeanDynamics() if instance.dynamics == "j2" else TwoBody()
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
     flown, lead_ins = [], plan.lead_ins

@@ -19,6 +19,7 @@ import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from ...judge.admit import AnyPlan, admit
+from ...plan.launched import as_launched
 from ...plan.leg_kinds import flown_kind_names
 from ...plan.plan import Burn, Leg, Plan
 from ...plan.plan_flight import TOW, FamilyFlight, PlanFlight, TankLeft
@@ -161,6 +162,7 @@ def fly_mean(
     """
     plan = admit(instance, plan).plan
     refuse_what_cannot_be_flown(instance, plan)
+    instance = as_launched(instance, plan)
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
     lead_ins = plan.lead_ins
     flown: dict[int, float | None] = {}

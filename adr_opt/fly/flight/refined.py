@@ -21,6 +21,7 @@ from ...judge.refined.holding import found_m_s
 from ...judge.refined.release import released
 from ...judge.refined.thrust import Course, ThrustFlown, fly_thrust, refuse_wrong_thrust
 from ...judge.refined.world import BodyStates, FreeMotion, Towing, begun, reported_of
+from ...plan.launched import as_launched
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState
 from ...problem.instance import Instance
 from ...problem.support import refuse
@@ -54,6 +55,7 @@ def fly_refined(
     admitted = admit(instance, refined, excused=TANK)
     refined = admitted.plan
     refuse_strangers(instance, refined)
+    instance = as_launched(instance, refined.planned)
     world = FreeMotion(refined.gravity)
     reported = reported_of(instance, refined)
     bodies = BodyStates(world, refined, reported)

@@ -23,6 +23,7 @@ from ...judge.admit import TANK, AnyRefined, admit
 from ...kernels.orbits import coast
 from ...kernels.orbits.gravity import FIELDS
 from ...kernels.orbits.short_periods import Array
+from ...plan.launched import as_launched
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...problem.frame import Frame
 from ...problem.instance import Instance
@@ -231,6 +232,7 @@ def fly_forced(
     """
     refined = admit(instance, refined, excused=TANK).plan
     refuse_strangers(instance, refined)
+    instance = as_launched(instance, refined.planned)
     settings = Forces() if forces is None else forces
     world, acting = all_forces(instance, settings)
     legs: list[ForcedLeg] = []

@@ -15,6 +15,7 @@ from ...common.errors import InputError
 from ...common.processors import usable_cores
 from ...judge.admit import Admitted, AnyPlan, admit
 from ...mission.result import versions
+from ...plan.launched import as_launched
 from ...plan.plan import InstanceReference, Leg, Plan
 from ...plan.refined_plan import (
     BodyState,
@@ -163,6 +164,7 @@ def refined_again(
     check_jobs(1 if jobs is None else jobs, cluster)
     refuse_what_cannot_be_refined(instance, plan)
     refuse_broken_chain(instance, plan)
+    instance = as_launched(instance, plan)
     began = now_s()
     numbered = list(enumerate(plan.legs, start=1))
     legs = [(n, leg) for n, leg in numbered if leg.traits.has_burns or leg.traits.has_arcs]

@@ -18,6 +18,7 @@ from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...legs.service_limits import service_begins
 from ...plan.after_tows import left_row
+from ...plan.launched import as_launched
 from ...plan.plan import Burn, Leg, Plan, Tow
 from ...problem.instance import Instance
 from ..flight.flyable import refuse_what_cannot_be_flown
@@ -169,6 +170,7 @@ def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Traje
     if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"step_s = {step_s:g}: must be a positive number of seconds")
     refuse_what_cannot_be_flown(instance, plan)
+    instance = as_launched(instance, plan)
     total_s = sum(_span(leg) for leg in plan.legs)
     longest_s = LONG_STEP_S if step_s is None else step_s
     if not total_s / longest_s <= MOST_SAMPLES:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...common.constants import SLACK_S
 from ...kernels.legs import burns as burn_kernels
+from ...kernels.orbits.body_rows import launched
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.connections import Connections
 from ...legs.families.family import StatedLeg, Way
@@ -91,6 +92,12 @@ def sample_connections(
     missing: list[str] = []
     for turn, at in enumerate(drawn):
         i, j = pairs[at]
+        there = instance
+        if i in connecting.ends.launched:
+            physics.left[i] = launched(physics.left[i], physics.elements[j])
+            if connecting.drive is None:  # no drift leads from a launch
+                transfer = instance.transfer.replace(max_drift_s=0.0)
+                there = instance.replace(transfer=transfer)
         found = connecting.of_pair(i, j, resolution)
         # What was spent before the start goes off the tank with the first leg: no cost of it.
         found = replace(found, delta_v=found.delta_v - connecting.spent_m_s(i))
@@ -103,7 +110,7 @@ def sample_connections(
             flown += size
         for _ in range(max(1, round(DEPARTURES_SHARE * share))):
             time = float(rng.uniform(0.0, instance.mission.duration_s))
-            ways = list(ways_after(instance, physics, connecting.drive, i, j, time))
+            ways = list(ways_after(there, physics, connecting.drive, i, j, time))
             for family in registered_of(instance):
                 ways += family.ways(connecting.ends.of(i, j), time)
             departures += bool(ways)

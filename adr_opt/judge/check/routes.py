@@ -11,6 +11,8 @@ import numpy.typing as npt
 
 from ...common.constants import SLACK_M_S, SLACK_S
 from ...kernels.orbits import ephemeris
+from ...kernels.orbits.body_rows import launched
+from ...plan.launched import as_launched
 from ...plan.leg_kinds import GIVEN, LAUNCH
 from ...plan.plan import Leg, Plan
 from ...problem.chasers import AtStation, Chaser
@@ -92,7 +94,7 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
     """Check each chaser's order, times, ΔV and burns, and that targets are serviced only once."""
     bodies, drawn = _Bodies(instance), Drawn(instance)
     physics: dict[Drive | None, Physics] = {}
-    launches = launch_times(instance)
+    launches, in_space = launch_times(instance), as_launched(instance, plan)
     chasers = {chaser.name: chaser for chaser in instance.chasers}
     flown = [(chasers.pop(route.chaser, None), route.legs) for route in plan.routes]
     at_home: list[tuple[Chaser | None, tuple[Leg, ...]]] = [(each, ()) for each in chasers.values()]
@@ -113,8 +115,13 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         drive = drive_of(chaser, instance.targets)
         if drive not in physics:
             physics[drive] = Physics.of(instance, drive)
+        if chaser.launch is not None and route and route[0].destination in bodies.number:
+            home, first_target = bodies.number[chaser.name], bodies.number[route[0].destination]
+            physics[drive].left[home] = launched(
+                physics[drive].elements[home], physics[drive].elements[first_target]
+            )
         leads_on = yield from _check_route(
-            instance, bodies, physics[drive], now, visited, first, route
+            in_space, bodies, physics[drive], now, visited, first, route
         )
         if leads_on:
             yield from _check_end(plan, now)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ...problem.chasers import Chaser, TankByMass
 
 
@@ -31,6 +33,10 @@ class TankLevel:
         if isinstance(self._tank, TankByMass):
             if self._tank.initial_propellant_kg is not None:
                 self.mass_kg = self._dry_kg + self._tank.initial_propellant_kg
+            launch = chaser.launch
+            if launch is not None and launch.launcher is not None:
+                lifted_kg = np.interp(launch.altitude_m, *np.transpose(launch.launcher))
+                self.mass_kg = min(self.mass_kg or 0.0, float(lifted_kg))
         elif self._tank.initial_delta_v_m_s is not None:
             self._left_m_s = self._tank.initial_delta_v_m_s - self._kept_m_s
 

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
+from ...plan.launched import as_launched
 from ...plan.plan import Leg, Plan, Tow
 from ...plan.refined_plan import Freedom, RefinedLeg, RefinedPlan, RefinedTow, reference
 from ...problem.instance import AnyInstance, Instance
@@ -260,6 +261,7 @@ def check_refined(instance: AnyInstance, plan: Plan, refined: RefinedPlan) -> tu
     """
     instance = followed(instance, FOLLOWS)
     foreign = (*check_identity(instance, plan, refined), *check_ephemerides(instance, refined))
+    instance = as_launched(instance, plan)
     return foreign or tuple(_violations(instance, plan, refined))
 
 

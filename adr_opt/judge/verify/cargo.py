@@ -104,7 +104,7 @@ def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Car
         takes[:], most = 0, 0
     tank, kits_kg = chaser.usable, chaser.kit_mass_kg * np.arange(most + 1.0)
     full = np.array([tank.full_m_s(float(mass)) for mass in kits_kg]) + SLACK_M_S
-    begun = full - [tank.spent_with_m_s(float(mass)) for mass in kits_kg]
+    begun = full - [chaser.spent_with_m_s(float(mass)) for mass in kits_kg]
     share, lost = np.ones((takes.size, most + 1)), np.zeros((takes.size, most + 1))
     if isinstance(tank, TankByMass):
         empty_kg = tank.dry_mass_kg + kits_kg

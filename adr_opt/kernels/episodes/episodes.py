@@ -39,13 +39,13 @@ class StackedFields(NamedTuple):
         :class:`adr_opt.kernels.rules.resources.CountLimits`.
     orbits : (slots, bodies, columns) float64
         Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
-    limits : (slots, 4, bodies) float64
+    limits : (slots, 4, bodies or more) float64
         :data:`SERVICE` as in :class:`adr_opt.kernels.rules.rules.Rules`, :data:`OPENS` and
-        :data:`LATEST`, the only window of each body [s], and :data:`PRIZE`, that of each target in
-        mean prizes of the field, 0 for the station: its reward. One array, since every one that
-        comes as an argument takes as long as a few moves.
-    places : (bodies + 1,) int64
-        Of second windows, of which no body has one.
+        :data:`LATEST`, the windows [s], of which there may be more than bodies, and :data:`PRIZE`,
+        that of each target in mean prizes of the field, 0 for the station: its reward. One array,
+        since every one that comes as an argument takes as long as a few moves.
+    places : (slots, bodies + 1) int64
+        Of second windows.
     is_station : (bodies,) bool
         The same for all fields: the first body is the only station.
     tables : Table
@@ -108,12 +108,12 @@ class Episodes(NamedTuple):
 @inlined
 def rules_of(pool, episodes, e):
     """The mission rules of an episode."""
-    slot = episodes.slot[e]
+    slot, bodies = episodes.slot[e], pool.is_station.size
     return Rules(
         table=stacked_timetables.in_slot(pool.tables, slot),
-        service=pool.limits[slot, SERVICE],
-        windows=Windows(pool.places, pool.limits[slot, OPENS], pool.limits[slot, LATEST]),
-        prize=pool.limits[slot, PRIZE],
+        service=pool.limits[slot, SERVICE, :bodies],
+        windows=Windows(pool.places[slot], pool.limits[slot, OPENS], pool.limits[slot, LATEST]),
+        prize=pool.limits[slot, PRIZE, :bodies],
         is_station=pool.is_station,
         # Where missions may end is not asked for, since they may end anywhere.
         may_end=pool.is_station,

@@ -172,8 +172,8 @@ def begin_worlds(pool, episodes, worlds, which, seeds, models):
 
 
 @inlined
-def _tried(worlds, e, slot, target, begins, planned, duration):
-    """Tries at a target until one succeeds, all have failed, or one ends late.
+def _tried(worlds, e, slot, target, begins, rules):
+    """Tries at a target until one succeeds, all have failed, no window is left, or one ends late.
 
     Returns
     -------
@@ -183,7 +183,7 @@ def _tried(worlds, e, slot, target, begins, planned, duration):
     """
     tables, state = worlds.tables, worlds.states.state[e]
     what, keys = tables.models[slot, worlds.states.model[e], target], tables.target_keys[slot]
-    took = planned * lognormal_at(
+    took = rules.service[target] * lognormal_at(
         uniform_at(state, keys[target, SERVICE_KEY]),
         what[STAY_SIGMA],
         what[STAY_LEAST],
@@ -195,16 +195,18 @@ def _tried(worlds, e, slot, target, begins, planned, duration):
         what[DELAY_MEAN],
         what[DELAY_MOST],
     )
-    end = begins
     most = int(what[TRIES])
     for attempt in range(most):
-        end += took
-        if end > duration:
+        end = begins + took
+        if end > rules.duration:
             return LATE, attempt + 1, end
         if what[SUCCESS] >= 1.0:
             return SERVICED, attempt + 1, end
         if uniform_at(state, keys[target, FIRST_TRY_KEY + attempt]) < what[SUCCESS]:
             return SERVICED, attempt + 1, end
+        begins = service_begin(rules.windows, target, end)
+        if begins == np.inf:
+            return FAILED, attempt + 1, end
     return FAILED, most, end
 
 
@@ -258,9 +260,7 @@ def fly(pool, episodes, worlds, e, destination):
         if uniform_at(states.state[e], tables.target_keys[slot, destination, GONE_KEY]) < chance:
             episodes.time[e] = begins
             return GONE
-    outcome, states.tries[e], episodes.time[e] = _tried(
-        worlds, e, slot, destination, begins, rules.service[destination], rules.duration
-    )
+    outcome, states.tries[e], episodes.time[e] = _tried(worlds, e, slot, destination, begins, rules)
     if outcome == SERVICED:
         episodes.serviced[e] += 1
         episodes.collected[e] += rules.prize[destination]

@@ -29,6 +29,28 @@ def as_left(bodies: FloatArray) -> FloatArray:
     return np.column_stack([bodies, bodies[:, columns.RAAN_RATE]])
 
 
+def launched(row: FloatArray, target: FloatArray) -> FloatArray:
+    """A circle that is launched into, as a chaser leaves it at any time for a target.
+
+    It has the target's node then, which drifts afterwards as its own radius says, and it moves as
+    if it had been half a revolution away from the target at t = 0.
+
+    Parameters
+    ----------
+    row : (columns,) or (columns + 1,) float64
+        The circle with any node; the extra column is that of :func:`as_left`.
+    target : (columns,) float64
+
+    Returns
+    -------
+    (columns + 1,) float64
+    """
+    made: FloatArray = as_left(row[None, : columns.COASTING_RAAN_RATE])[0]
+    made[columns.RAAN], made[columns.RAAN_RATE] = target[columns.RAAN], target[columns.RAAN_RATE]
+    made[columns.ARGUMENT_OF_LATITUDE] = target[columns.ARGUMENT_OF_LATITUDE] + np.pi
+    return made
+
+
 def with_orbit(
     row: FloatArray,
     *,

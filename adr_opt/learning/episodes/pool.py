@@ -41,6 +41,8 @@ class FieldPool:
         Maximum number of bodies, the station included.
     events : int
         Maximum number of departure events of one body.
+    more : int
+        Maximum number of windows beside one of each body.
     regular : bool
         Whether the events of all fields are regular, as they are in two-body motion.
 
@@ -57,7 +59,9 @@ class FieldPool:
         They would take more memory than is free.
     """
 
-    def __init__(self, slots: int, bodies: int, events: int, *, regular: bool = True) -> None:
+    def __init__(
+        self, slots: int, bodies: int, events: int, more: int = 0, *, regular: bool = True
+    ) -> None:
         needed = stacked_timetables.size_of_slots(slots, bodies, events, regular=regular)
         free = available_bytes()
         if needed > free:
@@ -70,8 +74,8 @@ class FieldPool:
         self.arrays = StackedFields(
             counts=np.zeros((slots, 1 + len(CountLimits._fields)), dtype=np.int32),
             orbits=np.zeros((slots, bodies, len(ORBIT_COLUMNS))),
-            limits=np.zeros((slots, 4, bodies)),
-            places=np.full(bodies + 1, bodies),
+            limits=np.zeros((slots, 4, bodies + more)),
+            places=np.full((slots, bodies + 1), bodies),
             is_station=np.arange(bodies) < 1,
             tables=tables,
             near=np.full((slots, 1 if regular else PERIODS, bodies, NEAREST), -1, dtype=np.int16),
@@ -89,14 +93,16 @@ class FieldPool:
     @classmethod
     def for_one(cls, mission: Mission, bodies: int) -> FieldPool:
         """An empty pool with one slot for a mission, and capacity for a number of bodies."""
-        timetable = mission.timetable
-        return cls(1, bodies, timetable.most_events, regular=not timetable.connecting.is_listed)
+        timetable, more = mission.timetable, more_windows(mission)
+        regular = not timetable.connecting.is_listed
+        return cls(1, bodies, timetable.most_events, more, regular=regular)
 
     def fits(self, mission: Mission) -> bool:
         """Whether a mission fits a slot, with events spaced as in the others."""
         tables = self.arrays.tables
         return (
             len(mission.names) <= self.arrays.is_station.size
+            and more_windows(mission) <= self.arrays.limits.shape[2] - self.arrays.is_station.size
             and mission.timetable.most_events <= timetable_kernels.most_events(tables)
             and mission.connecting.is_listed != timetable_kernels.is_regular(tables)
         )
@@ -118,8 +124,11 @@ class FieldPool:
         arrays.orbits[slot, :bodies] = orbits
         limits = arrays.limits[slot]
         limits[SERVICE, :bodies] = mission.rules.service
-        limits[OPENS, :bodies] = mission.rules.windows.opening
-        limits[LATEST, :bodies] = mission.rules.windows.closing
+        windows, most, more = mission.rules.windows, arrays.is_station.size, more_windows(mission)
+        arrays.places[slot] = most + more
+        arrays.places[slot, : bodies + 1] = most - bodies + windows.first
+        for row, times in ((OPENS, windows.opens), (LATEST, windows.latest)):
+            limits[row, :bodies], limits[row, most : most + more] = np.split(times, [bodies])
         limits[PRIZE] = 0.0
         limits[PRIZE, :bodies] = in_mean_prizes(mission)
         stacked_timetables.put(arrays.tables, slot, table)
@@ -130,6 +139,11 @@ class FieldPool:
             found = around.at((period + 0.5) * around.period_s).neighbours_of(np.arange(bodies))
             near[:bodies, : found.shape[1]] = found
         self.instances[slot] = mission.instance
+
+
+def more_windows(mission: Mission) -> int:
+    """Number of windows of a mission beside one of each body."""
+    return mission.rules.windows.opens.size - len(mission.names)
 
 
 FOLLOWS = Follower("the environment with its policies", PLAYED)

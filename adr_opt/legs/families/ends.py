@@ -18,6 +18,7 @@ import numpy as np
 from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S, SLACK_S
 from ...kernels.core.windows import latest_arrival
 from ...kernels.legs.departure_events import Times
+from ...kernels.orbits.body_rows import launched
 from ...plan.after_tows import leaving_eccentricity_delta_v, leaving_orbits, pieced_of
 from ...plan.lifetimes import unreleasable
 from ...plan.tows import RemovalFlight, any_from_apogee, removals_of
@@ -196,6 +197,8 @@ class AllEnds:
         Of the chasers that the legs are for.
     relaxed : bool
         As in :class:`PairEnds`.
+    launched : set of int
+        Circles that are launched into, which are left in the plane of the destination's node.
     pieced : dict of int to PiecedEnd
         Bodies that are left piece by piece of time, by number.
     """
@@ -212,6 +215,8 @@ class AllEnds:
         self.rule = instance.transfer_rule()
         self.times = _times(instance)
         self.latest_s = instance.mission.duration_s + SLACK_S
+        every = zip(instance.starts, instance.chasers, strict=True)
+        self.launched = {body for body, chaser in every if chaser.launch is not None}
         self.pieced: dict[int, PiecedEnd] = {}
         if self.times is not None:
             interval_s, step_s, longest_s, *_ = self.times
@@ -223,12 +228,18 @@ class AllEnds:
     def of(self, i: int, j: int) -> PairEnds:
         """The ends of a pair."""
         leave_by, arrive_by = self.altitudes.leave_by[i], self.altitudes.arrive_by[j]
-        times = None if self.times is None else self.times._replace(leave_by=float(leave_by))
+        left, times = self.leaving[i], self.times
+        if times is not None:
+            times = times._replace(leave_by=float(leave_by))
+        if i in self.launched:
+            left = launched(left, self.arriving[j])
+            # In the plane of the target there is nothing to drift for.
+            times = times._replace(longest=0.0) if times and self.drive is None else times
         return PairEnds(
             self.instance,
             i,
             j,
-            self.leaving[i],
+            left,
             self.arriving[j],
             self.eccentricity_m_s[i, j],
             self.rule,

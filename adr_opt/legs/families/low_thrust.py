@@ -240,7 +240,7 @@ def too_weak(instance: Instance) -> str | None:
         begin = instance.available_s[number][0]
         for j in range(first, len(names)):
             pair = low_thrust_windows.prepare(
-                ends.leaving[start], ends.arriving[j], ends.rule, since, EPOCH_S
+                ends.of(start, j).leaving, ends.arriving[j], ends.rule, since, EPOCH_S
             )
             span = instance.transfer.drift_step_s
             while span < min(quickest, LARGEST_DURATION_S):

@@ -47,9 +47,17 @@ NO_FILTERS = ("malformed", "duplicate", "not-sgp4", "decayed", *AT_ANOTHER_EPOCH
 
 PLACED = "at the densest plane"
 LAUNCHED = "at the first target of each chaser"
+LAUNCHED_INTO = "with a launch of each chaser, in the plane of its first target's node"
 
 MANY_TARGETS = 1000
 """Number of targets that causes a warning: the timetable grows with its square."""
+
+
+def _place(instance: Instance, placed: str) -> str:
+    """Where chasers start, in words."""
+    if instance.stations or not instance.chasers[0].awaits_launch:
+        return placed
+    return LAUNCHED if instance.chasers[0].is_launched else LAUNCHED_INTO
 
 
 @dataclass(frozen=True)
@@ -134,7 +142,9 @@ class Imported:
     @property
     def home(self) -> Orbit | None:
         """Orbit of the station, or of the chaser's start; None if the chaser is launched."""
-        return None if 0 in self.instance.launches else self.instance.body_orbits[0]
+        chasers, stations = self.instance.chasers, self.instance.stations
+        nowhere = not stations and chasers[0].awaits_launch
+        return None if nowhere else self.instance.body_orbits[0]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -269,7 +279,7 @@ def to_instance(
             *((falling,) if falling else ()),
             *_warnings(targets, host, instance, epoch),
         ),
-        station=LAUNCHED if 0 in instance.launches else placed,
+        station=_place(instance, placed),
         records={
             **({home: host} if host and refuelling else {}),
             **{one.name: record for one, record in zip(instance.targets, targets, strict=True)},

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import dataclass, field
+from typing import Literal
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
@@ -19,6 +20,7 @@ from ...problem.chasers import (
     Chaser,
     Expense,
     InOrbit,
+    LaunchedInto,
     Tank,
     TankByMass,
     free_name,
@@ -39,7 +41,9 @@ class Crew:
     tank : Tank or TankByMass
         Of each of them.
     launches : int
-        Number of chasers launched to their first targets; 0 is one chaser that is there already.
+        Number of chasers launched; 0 is one chaser that is there already.
+    start : LaunchedInto or "anywhere"
+        The orbit they are launched into, or their first targets.
     apart_s : float
         From one launch to the next; the first is at the epoch [s].
     kits : int, optional
@@ -64,6 +68,7 @@ class Crew:
 
     tank: AnyTank = field(default_factory=lambda: Tank(delta_v_m_s=3000.0))
     launches: int = 0
+    start: LaunchedInto | Literal["anywhere"] = "anywhere"
     apart_s: float = APART_S
     kits: int | None = None
     kit_mass_kg: float = 0.0
@@ -146,7 +151,7 @@ class Crew:
         return tuple(
             one.replace(
                 name=f"chaser-{number + 1}",
-                start="anywhere",
+                start=self.start,
                 available_s=(number * self.apart_s, None),
             )
             for number in range(self.launches)

@@ -160,6 +160,8 @@ def _cost_of(instance: Instance) -> str:
 def _start(chaser: Chaser) -> str:
     if chaser.is_launched:
         return "anywhere"
+    if chaser.launch is not None:
+        return f"launched to {chaser.launch.altitude_m / 1e3:g} km"
     return chaser.start.station if isinstance(chaser.start, AtStation) else "in an orbit"
 
 

@@ -33,6 +33,8 @@ crew_options = param.together(
         "DAYS",
         "Least interval between launches, whose times are then optimised.",
     ),
+    param.word("--launch-into", "KM,DEG", "Altitude and inclination that they are launched into."),
+    param.word("--launcher", "KM=KG,...", "What the launcher lifts to altitudes, kits included."),
     param.word(
         "--expense",
         "FIXED[,PER_KG[,PER_KG2]]",
@@ -69,10 +71,10 @@ crew_options = param.together(
 
 def told(instance: Instance) -> str | None:
     """A sentence on the launches of an instance; None if there are none."""
-    if not instance.launches:
-        return None
-    days = ", ".join(f"{since_s / DAY_S:g}" for since_s in instance.launches.values())
-    return f"{counted(len(instance.launches), 'launch', 'launches')}, on day {days}"
+    every = zip(instance.chasers, instance.available_s, strict=True)
+    since_s = [since for chaser, (since, _) in every if chaser.awaits_launch]
+    days = ", ".join(f"{each / DAY_S:g}" for each in since_s)
+    return f"{counted(len(since_s), 'launch', 'launches')}, on day {days}" if since_s else None
 
 
 MOST_LISTED = 20

@@ -111,7 +111,7 @@ def _carries(instance: Instance, flown: Flown) -> str | None:
     if load.mass_kg is None or load.propellant_kg is None or load.end_mass_kg is None:
         return f"carries {kits}" if load.kits else None
     used = load.used_kg or 0.0
-    starts = "at launch" if flown.chaser.is_launched else "at the start"
+    starts = "at launch" if flown.chaser.awaits_launch else "at the start"
     held = f"{load.propellant_kg:g} kg of propellant" + (f" and {kits}" if load.kits else "")
     return (
         f"{starts} {load.mass_kg:.1f} kg with {held}, uses {used:.1f} kg, "

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     "--vary",
     "NAME=LO:HI:STEP",
     "Range of delta-v [m/s], propellant [kg], duration [d], thrust [N] or isp [s], or, of designs, "
-    "launches, separation [years], kits, dry-mass [kg], start [d] or budget [euros]; or "
+    "launches, separation [years], kits, dry-mass [kg], start [d], launch [years], altitude [km] "
+    "or budget [euros]; or "
     "VALUE,VALUE...; repeatable.",
     name="varied",
 )

@@ -20,6 +20,7 @@ from ...fly.flight.result import Flight, TankFlight
 from ...fly.flight.tanks import tanks_of
 from ...judge.admit import Admitted, AnyPlan, AnyRefined, admit
 from ...judge.check.violation import Violation
+from ...plan.launched import as_launched
 from ...plan.phases import PHASES
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
@@ -279,7 +280,7 @@ def _data(
     instance: Instance, plan: Plan, known: _Found, burned: tuple[burns.ReportedBurn, ...]
 ) -> dict[str, Any]:
     """Data for the script of the page."""
-    drawn, is_moved = known.drawn, _is_moved(instance)
+    instance, drawn, is_moved = as_launched(instance, plan), known.drawn, _is_moved(instance)
     numbers = range(1, len(plan.legs) + 1)
     charts = {
         "budget": figures.budget(instance, plan),

@@ -496,7 +496,15 @@ def _rules_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
     if isinstance(chaser.start, InOrbit):
         yield f"{it} starts in an orbit of its own"
     if chaser.is_launched:
-        yield f"{it} is launched onto its first target"
+        yield f"{it} is launched onto its first target, which costs nothing here"
+    if chaser.launch is not None:
+        into = chaser.launch
+        yield (
+            f"{it} is launched into a circle of {number(into.altitude_m / 1e3, 1)} km and "
+            f"{number(into.inclination_deg, 2)}°, in the plane of its first target's node"
+        )
+        if into.launcher is not None:
+            yield f"the launcher lifts {number(into.most_kg, 1)} kg there"
     if chaser.kits is not None:
         yield f"{it} may carry {counted(chaser.kits, 'kit')}"
     if isinstance(chaser.tank, TankByMass):

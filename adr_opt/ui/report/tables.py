@@ -280,6 +280,8 @@ def traffic(instance: Instance, plan: Plan) -> str:
 def _where(chaser: Chaser, since: float) -> str:
     """Start of a chaser, with its time."""
     place = "its first target" if chaser.is_launched else "an orbit of its own"
+    if chaser.launch is not None:
+        place = "a launch"
     if isinstance(chaser.start, AtStation):
         place = chaser.start_name
     return f"{place}, {clock(since)}" if since > 0.0 else place
