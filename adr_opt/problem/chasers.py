@@ -476,6 +476,7 @@ class Chaser(Record):
         kept_m_s = self.end_of_life_m_s
         return self.tank if kept_m_s is None else self.tank.keeping(kept_m_s)
 
+    @property
     def launch(self) -> Launch | None:
         """The launch into an orbit that it starts with; None for any other start."""
         return self.start.launch if isinstance(self.start, LaunchedInto) else None
