@@ -69,8 +69,8 @@ def test_no_more_is_kept_than_there_is() -> None:
         in_orbit = chaser.replace(start="anywhere", tank=tank)
         with pytest.raises(InputError, match="keep less of it"):
             in_orbit.replace(end_of_life_m_s=most)
-        less = in_orbit.replace(end_of_life_m_s=40.0).usable
-        assert (less.delta_v_m_s, less.spent_m_s) == (260.0, 200.0)
+        less = in_orbit.replace(end_of_life_m_s=40.0)
+        assert (less.usable.delta_v_m_s, less.spent_m_s) == (260.0, 200.0)
     tank = TankByMass(dry_mass_kg=100.0, propellant_kg=50.0, isp_s=300.0)
-    less = chaser.replace(tank=tank, end_of_life_m_s=300.0).usable
-    assert less.delta_v_m_s == pytest.approx(tank.delta_v_m_s - 300.0)
+    less = chaser.replace(tank=tank, end_of_life_m_s=300.0)
+    assert less.usable.delta_v_m_s == pytest.approx(tank.delta_v_m_s - 300.0)
