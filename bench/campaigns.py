@@ -20,6 +20,7 @@ from worth import DODGING, bodies_of
 
 import adr_opt
 from adr_opt.analysis import Axis, CampaignPrices, design_study
+from adr_opt.common.clock import count_processor_time
 from adr_opt.common.constants import DAY_S
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.sources import catalogue, worth
@@ -35,6 +36,7 @@ def cost(
     chasers: int | None = None,
     expense: str = "",
     duration: bool = False,
+    processor: bool = False,
     out: Path | None = None,
 ) -> None:
     """The least cost at the best prize: what ``exact`` proves of it in a time, field by field.
@@ -43,7 +45,8 @@ def cost(
     with ``--expense`` the cost is no ΔV, but what chasers take: each one so much if it is used, for
     each kilogram that it carries, and for each square of one. With ``--duration`` it is the end of
     the last service. The time limit starts with a ready timetable and covers the proof of the
-    prizes, too. Every plan is checked. Rows are kept in ``--out``, and gone on with.
+    prizes, too; with ``--processor`` it counts the processor time of all threads. Every plan is
+    checked. Rows are kept in ``--out``, and gone on with.
     """
     names = ("fixed", "per_kg", "per_kg_squared")
     prices = [float(each) for each in expense.split(",") if each]
@@ -75,6 +78,8 @@ def cost(
         }
 
     measured(drawn(family if prices else "tiny", 0, 3), 20.0)  # compiles
+    if processor:
+        count_processor_time()
     asked = {"limit_s": limit, "targets": targets, "chasers": chasers}
     asked |= {"expense": prices, "duration": duration}
     rows = [

@@ -4,7 +4,7 @@ python bench/scale.py timetable
 python bench/scale.py targets                             # nominal, 50 to 10,000 targets
 python bench/scale.py targets --dense --targets 200 500   # against the table of all pairs
 python bench/scale.py targets --family large --targets 1500 --chasers 2
-python bench/scale.py limits --targets 50 500 1000 5000   # every method by rows and by orbits
+python bench/scale.py limits --processor     # every method, by rows and by orbits
 python bench/scale.py paces                               # work of a timetable, in seconds
 """
 
@@ -25,6 +25,7 @@ from tables import alone, experiment, head, row, timed, times_s
 
 import adr_opt
 from adr_opt.common.clock import count_processor_time, now_s
+from adr_opt.common.errors import InputError
 from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import MaxIterations
@@ -183,18 +184,23 @@ def paces(families: tuple[str, ...] = (), pairs: int = 200) -> None:
         )
 
 
+def _field(kind: str, targets: int, chasers: int = 1, seed: int = 0) -> adr_opt.Instance:
+    """A field by rows, or a nominal one by orbits, for some chasers that are all alike."""
+    made = (
+        on_rows(targets, seed=seed)
+        if kind == "rows"
+        else adr_opt.generate("nominal", seed, targets=targets)
+    )
+    fleet = (made.chaser.replace(name=f"chaser-{number}") for number in range(1, chasers + 1))
+    return made.replace(chasers=tuple(fleet))
+
+
 def _within(
-    kind: str, targets: int, method: str, limit_s: float, seed: int, processor: bool
+    kind: str, targets: int, chasers: int, method: str, limit_s: float, seed: int, processor: bool
 ) -> dict[str, float]:
     """Plan one field within a limit: time of the first plan and of everything, and the prizes."""
-    for practised in (adr_opt.generate("tiny", 0), on_rows(12)):
-        adr_opt.solve(practised, method, time_limit=2.0)
-    orbits = kind == "orbits"
-    instance = (
-        adr_opt.generate("nominal", seed, targets=targets)
-        if orbits
-        else on_rows(targets, seed=seed)
-    )
+    adr_opt.solve(_field(kind, 12, chasers), method, time_limit=2.0)
+    instance = _field(kind, targets, chasers, seed)
     if processor:
         count_processor_time()
     first, began = [math.nan], now_s()
@@ -215,39 +221,37 @@ def _within(
 
 def limits(
     kinds: tuple[Literal["rows", "orbits"], ...] = ("rows", "orbits"),
-    targets: tuple[int, ...] = (50, 500, 1000, 5000),
+    targets: tuple[int, ...] = (50, 500, 5000),
+    chasers: tuple[int, ...] = (1, 3),
     limit: tuple[float, ...] = (1.0, 10.0, 30.0),
     methods: tuple[str, ...] = (),
     seed: int = 0,
     processor: bool = False,
 ) -> None:
-    """How long every method takes within each limit, and when it has its first plan.
+    """Within each limit, what every method takes, how much of that to its first plan, its prizes.
 
     Every run is a process of its own, in which the method has practised. *Late* marks those that
     take more than 1.2 times the limit and half a second. With `--processor` all times, and the
     limit, are those of processors, of all threads together, whatever else the machine does.
     """
-    head("field", "method", "limit", "first plan", "all", "prizes", "violations", "")
-    for kind, count, method in product(kinds, targets, methods or names(PLANNERS)):
-        for limit_s in limit:
-            if not follows_all(_sample(kind), spec(method).follows):
+    head("field", "chasers", "method", *(f"{each:g} s: all, first plan, prizes" for each in limit))
+    for kind, count, fleet in product(kinds, targets, chasers):
+        for method in methods or names(PLANNERS):
+            if not follows_all(_field(kind, 5, fleet), spec(method).follows):
                 continue
-            found = alone(_within, kind, count, method, limit_s, seed, processor)
-            row(
-                f"{count} by {kind}",
-                method,
-                f"{limit_s:g} s",
-                f"{found['first_s']:.2f} s",
-                f"{found['took_s']:.2f} s",
-                f"{found['prizes']:g}",
-                f"{found['violations']:g}",
-                "late" if found["took_s"] > 1.2 * limit_s + 0.5 else "",
-            )
-
-
-def _sample(kind: str) -> adr_opt.Instance:
-    """A small field of a kind."""
-    return on_rows(5) if kind == "rows" else adr_opt.generate("tiny", 0)
+            cells = []
+            for limit_s in limit:
+                try:
+                    found = alone(_within, kind, count, fleet, method, limit_s, seed, processor)
+                except InputError:  # too large a field for it
+                    cells.append("refused")
+                    continue
+                cells.append(
+                    f"{found['took_s']:.2f}, {found['first_s']:.2f}, {found['prizes']:g}"
+                    + " late" * (found["took_s"] > 1.2 * limit_s + 0.5)
+                    + f" {found['violations']:g} violations" * (found["violations"] > 0)
+                )
+            row(f"{count} by {kind}", fleet, f"`{method}`", *cells)
 
 
 if __name__ == "__main__":

@@ -33,7 +33,11 @@ AUTO = MethodSpec(
 EXACT = MethodSpec(
     "exact",
     "solvers.planners.exact:exact",
-    follows=ON_A_TANK | CAMPAIGNS | TOURS | RELEASES | {"functions of time"},
+    follows=ON_A_TANK
+    | CAMPAIGNS
+    | TOURS
+    | RELEASES
+    | {"functions of time", "functions of time for several chasers"},
     starts=True,
     uses_cores=True,
     shows_evidence=True,
@@ -52,6 +56,7 @@ GREEDY = MethodSpec(
 GREEDY_GUARDED = MethodSpec(
     "greedy-guarded",
     "solvers.planners.greedy:greedy_guarded",
+    quick="solvers.planners.greedy:guarded_routes",
     follows=ON_A_TANK | CAMPAIGNS | RELEASES,
     on_demand=True,
 )

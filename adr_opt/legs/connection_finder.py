@@ -457,8 +457,10 @@ def estimate(instance: Instance) -> Size:
     """Estimated size of the timetable of an instance."""
     duration, bodies = instance.mission.duration_s, len(instance.names)
     if instance.given is not None:
-        most, rows = instance.given.sizes(instance.names)
-        return Size(bodies, most + 1, rows / max(1, bodies * (bodies - 1)), GIVEN_S)
+        most, rows, near = instance.given.sizes(instance.names)
+        if instance.given.functions is not None:
+            near = bodies - 1
+        return Size(bodies, most + 1, rows / max(1, bodies * near), GIVEN_S, near)
     shortest = _shortest_spacing_s(instance)
     if not are_listed(instance):
         return Size(bodies, int(duration / shortest) + 2)

@@ -29,6 +29,14 @@ def all_pairs(bodies: int) -> Pairs:
     return Pairs(np.arange(bodies), others.astype(np.int32))
 
 
+def connected_pairs(instance: Instance, near: int) -> Pairs:
+    """All pairs; where connections are given, those that have any, at most ``near`` of a body."""
+    bodies = len(instance.names)
+    if near >= bodies - 1:
+        return all_pairs(bodies)
+    return Pairs(np.arange(bodies), _given_near(instance, near).astype(np.int32))
+
+
 def begun(pairs: Pairs, built: int) -> Pairs:
     """Pairs of the waves begun, if a number of pairs was built from the first on."""
     waves = max(1, math.ceil(built / max(1, pairs.origins.size * WAVE)))

@@ -30,7 +30,7 @@ from .connection_finder import ConnectionFinder, estimate
 from .connections import CHOICES, AllConnections, Choice, Connections, Pairwise, weights_of
 from .corrections import NO_CORRECTIONS
 from .matrices import FloatArray, Matrices
-from .nearest_pairs import Neighbours, all_pairs, begun
+from .nearest_pairs import Neighbours, begun, connected_pairs
 from .service_limits import limits_of
 from .timetable_size import too_large
 
@@ -122,9 +122,8 @@ class Timetable(Shown):
         if pairs is None:
             if not size.fits:
                 raise InputError(too_large(instance, size))
-            pairs = all_pairs(size.bodies)
-        chosen = pairs
-        wanted = size.bodies * (size.bodies - 1)
+            pairs = connected_pairs(instance, size.near)
+        chosen, wanted = pairs, size.pairs
         limits = limits_of(instance, chaser, corrections)
         most = chosen.near.size if most is None else min(most, chosen.near.size)
         threads = threads or usable_cores()
@@ -184,6 +183,7 @@ class Timetable(Shown):
         self.instance = instance
         self.pairs = pairs
         self.built = built
+        self._wanted = wanted
         self.names = instance.names
         self.table = table
         self.limits = limits
@@ -215,8 +215,12 @@ class Timetable(Shown):
         for array in (*made.table[:-1], made.limits.service):
             array.setflags(write=False)
         made.instance, made.names = instance, instance.names
-        made.pairs = all_pairs(bodies.size)
-        made.built = bodies.size * (bodies.size - 1)
+        size = estimate(instance)
+        made.pairs, made.built, made._wanted = (
+            connected_pairs(instance, size.near),
+            size.pairs,
+            size.pairs,
+        )
         return made
 
     @classmethod
@@ -316,8 +320,8 @@ class Timetable(Shown):
 
     @property
     def is_whole(self) -> bool:
-        """Whether the table holds all pairs."""
-        return self.built == len(self.names) * (len(self.names) - 1)
+        """Whether the table holds all pairs that may have connections."""
+        return self.built == self._wanted
 
     @property
     def is_on_demand(self) -> bool:

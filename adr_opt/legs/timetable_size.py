@@ -49,17 +49,25 @@ class Size:
         Connections of a pair that are kept, in the mean: where nodes drift by a sample.
     event_s : float
         Expected time to build a pair on one core, per event [s].
+    most_near : int, optional
+        Most destinations of a body that have connections, where these are given.
     """
 
     bodies: int
     events: int
     listed: float = 0.0
     event_s: float = REGULAR_S
+    most_near: int | None = None
+
+    @property
+    def near(self) -> int:
+        """Destinations of each body that a table of all its connections holds."""
+        return self.bodies - 1 if self.most_near is None else self.most_near
 
     @property
     def pairs(self) -> int:
-        """Number of pairs of bodies."""
-        return self.bodies * (self.bodies - 1)
+        """Number of pairs of bodies that a table of all connections holds."""
+        return self.bodies * self.near
 
     @property
     def pair_s(self) -> float:
@@ -88,7 +96,7 @@ class Size:
 
     @property
     def _table_bytes(self) -> int:
-        return self._with(self.bodies)
+        return self._with(min(self.near + 1, self.bodies))
 
     def _with(self, slots: int) -> int:
         """Memory of the table with a number of destinations per body [bytes]."""

@@ -156,14 +156,15 @@ class Given(Shown):
         rows = self._rows(origin, destination)
         return self.departure[rows], self.arrival[rows], self.cost[rows]
 
-    def sizes(self, names: Sequence[str]) -> tuple[int, int]:
-        """Maximum number of departures of a pair of bodies, and number of all connections."""
+    def sizes(self, names: Sequence[str]) -> tuple[int, int, int]:
+        """Most departures of a pair, number of all connections, most destinations of a body."""
         wanted, pairs = set(names), self.pairs
         known = np.array([name in wanted for name in self.names], dtype=np.bool_)
         origin, destination = np.divmod(pairs.pair, max(len(self.names), 1))
         mine = known[origin] & known[destination]
         rows = np.diff(pairs.first)[mine].sum()
-        return int(pairs.departures[mine].max(initial=0)), int(rows)
+        near = np.bincount(origin[mine]).max(initial=0)
+        return int(pairs.departures[mine].max(initial=0)), int(rows), int(near)
 
 
 def among(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from itertools import takewhile
+from itertools import chain, takewhile
 from typing import Any, Self, TypeVar
 
 from ..common.errors import InputError
@@ -100,8 +100,8 @@ class Prepared:
         _check_result(self.method, result)
         late = stop.remaining_s() <= 0.0 and not is_tour(problem, self.spec)
         late = late and not problem.missions[0].has_functions
-        if self.plans and self.method != PUBLISHED and late:
-            result = self._at_least_the_fallback(problem, result, stop, progress)
+        if self.plans and self.method not in (PUBLISHED, FALLBACK) and late:
+            result = self._at_least_the_fallback(problem, result, progress)
         return noted(result, self.notes)
 
     def beginning_from(
@@ -125,23 +125,21 @@ class Prepared:
         return replace(self, arguments={**self.arguments, "start": start}, notes=notes)
 
     def _at_least_the_fallback(
-        self, problem: Problem, result: Result, stop: Stop, progress: Progress
+        self, problem: Problem, result: Result, progress: Progress
     ) -> Result:
         """The result of a method that ran out of time, or that of :data:`FALLBACK` if better."""
         fallback = spec(FALLBACK)
         if not support.follows_all(problem.instance, fallback.follows):
             return result
-        quick = _loaded(fallback)(
-            given_to(problem, fallback), seed=result.seed, stop=stop, progress=silent
-        )
-        if quick.objective <= result.objective:
+        routes = named(fallback.quick)(problem)
+        # Certifying takes longer than planning, and most methods began from these routes.
+        if problem.shown(problem.collected(chain.from_iterable(routes))) <= result.objective:
             return result
-        progress(quick.objective, result.upper_bound)
         said = [note for note in result.notes if note not in ON_PRICES]  # certify says it again
-        return certify_routes(
+        made = certify_routes(
             problem,
             self.method,
-            quick.routes,
+            routes,
             seed=result.seed,
             runtime_s=result.runtime_s,
             upper_bound=problem.worth(result.upper_bound),
@@ -149,6 +147,10 @@ class Prepared:
             counters=result.counters,
             notes=[*said, f"{self.method} ran out of time: the plan is that of {FALLBACK}"],
         )
+        if made.objective <= result.objective:
+            return result
+        progress(made.objective, made.upper_bound)
+        return made
 
 
 def _check_result(method: str, result: object) -> None:

@@ -69,6 +69,8 @@ class MethodSpec:
     begins : str
         ``module:function`` that gives the first routes of a problem before there is a timetable, or
         none; it takes the problem, ``seed``, ``stop`` and ``progress``.
+    quick : str
+        ``module:function`` that gives the method's routes of a problem in no time, or none.
     table_options : tuple of str
         Options that, once set, make it need that table all the same.
     practice : Practice
@@ -84,6 +86,7 @@ class MethodSpec:
     on_demand: bool = False
     orders_all: bool = False
     begins: str = ""
+    quick: str = ""
     table_options: tuple[str, ...] = ()
     practice: Practice = field(default_factory=Practice)
 

@@ -82,7 +82,7 @@ class TableBudget:
         """Time and memory of the whole timetable."""
         size, timetable = estimate(self.mission.instance), self.mission.missions[0].timetable
         takes = [f"{self.whole_s:.2g} s"] if self.whole_s else []
-        if timetable.is_on_demand or timetable.pairs.near.shape[1] < size.bodies - 1:
+        if timetable.is_on_demand or timetable.pairs.near.shape[1] < size.near:
             takes.append(f"{size.bytes / 2**30:.3g} GiB of memory")
         return f"the timetable of all pairs takes about {' and '.join(takes)}"
 
@@ -238,7 +238,7 @@ def candidates(
     if first is not None and not (on_demand and (slots < size.bodies or not affordable)):
         if hasty and not (affordable and slots >= size.bodies):
             slots = min(slots, WAVE)
-        pairs = nearest_pairs(whole.instance, first, slots)
+        pairs = nearest_pairs(whole.instance, first, min(slots, size.near))
     if first is not None and room < size.bodies:
         whole.connecting.kept.limit(min(size.room_bytes, table_bytes))
     built = pairs is not None or not on_demand

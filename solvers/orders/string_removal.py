@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.common.constants import HOUR_S
-from adr_opt.common.stop import Stop
+from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed, write
@@ -349,3 +349,13 @@ class Strings:
             )
         found: npt.NDArray[np.int64] = best
         return found
+
+
+def strings_of(mission: Mission, seed: int, stop: Stop, sequence: Iterable[int]) -> Strings | None:
+    """The annealing of a plan: bodies in order. None without time, or memory, for its tables."""
+    try:
+        strings = Strings(mission, seed, stop)
+    except TimeIsOver:
+        return None
+    strings.begin(sequence)
+    return strings

@@ -76,8 +76,9 @@ ENGINES = (
         "the route engine: ruin and recreate in continuous time",
         dict.fromkeys(
             ("auto", "exact"),
-            "of one chaser and up to 57 targets, prizes and cost: the earliest time of each set "
-            "and place",
+            "of one chaser, the least end of a tour of all of up to 100 targets: the earliest time "
+            "of each set and place; else prizes, then the cost: as the last rows, on optimistic "
+            "connections",
         ),
         dict.fromkeys(("auto", "exact"), timed_routes.plan),
     ),
@@ -86,7 +87,7 @@ ENGINES = (
         "given connections",
         lambda problem: problem.asks_for_least_end,
         "the same",
-        {"auto": "of up to 57 targets, the end: the same"},
+        {"auto": "of up to 100 targets, the end: by sets and places"},
         {"auto": timed_routes.plan},
     ),
     PlanningEngine(

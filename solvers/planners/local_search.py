@@ -26,7 +26,7 @@ from adr_opt.mission.result import Result
 
 from ..beams.greedy_order import guarded_sequence
 from ..beams.recreate import recreate
-from ..orders.string_removal import Strings
+from ..orders.string_removal import Strings, strings_of
 from ..progress.incumbent import Incumbent
 from ..routes.route_engine import RouteEngine
 from ..routes.ways import serves
@@ -87,9 +87,7 @@ class LocalSearch:
     def _strings(self) -> Strings | None:
         if not self._mission.instance.transfer.may_drift:
             return None
-        strings = Strings(self._mission, self._draw(), self._stop)
-        strings.begin(self.best.sequence or ())
-        return strings
+        return strings_of(self._mission, self._draw(), self._stop, self.best.sequence or ())
 
     def _draw(self) -> int:
         return int(self._rng.integers(2**31))

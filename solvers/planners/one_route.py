@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from adr_opt.common.progress import Progress
-from adr_opt.common.stop import Clock, Stop, TimeIsOver
+from adr_opt.common.stop import Clock, Stop
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
@@ -19,7 +19,7 @@ from ..beams.greedy_order import guarded_sequence
 from ..beams.recreate import recreate
 from ..beams.timely_beams import Beams, first_width, pilots
 from ..beams.varied_beams import varied
-from ..orders.string_removal import Strings
+from ..orders.string_removal import Strings, strings_of
 from ..progress.gap import GapTracker
 from ..progress.incumbent import Incumbent
 from ..progress.proof_size import proof_notes
@@ -234,12 +234,9 @@ class RouteSearches:
             return
         if self._strings is None and not self._too_large and self._stop.remaining_s() > 0.0:
             seed = int(self._rng.integers(2**31))
-            try:
-                self._strings = Strings(self._mission, seed, self._stop)
-            except TimeIsOver:
-                self._too_large = True
-                return
-            self._strings.begin(self._certificate.sequence or ())
+            begun = self._certificate.sequence or ()
+            self._strings = strings_of(self._mission, seed, self._stop, begun)
+            self._too_large = self._strings is None
         if self._strings is None or self._certificate.proven or self._stop.remaining_s() <= 0.0:
             return
         before = self._certificate.incumbent

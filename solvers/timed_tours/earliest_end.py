@@ -266,6 +266,9 @@ class EarliestEnd:
         parts = ((1, NARROWING_SIZE), (stage.finer, NARROWING_SIZE), (stage.finer, stage.size))
         for number, (finer, size) in enumerate(parts):
             steps = steps_of(tour, until, stage.steps * finer)
+            room = self._most_labels * LABEL_BYTES
+            while size > 1 and 4 * bands.rows * ((1 << size) + 1) > room:
+                size -= 1
             memories = memories_of(tour, min(size, tour.targets), until)
             multipliers = np.round(self._multipliers / steps.unit).astype(np.int64)
             made = relaxed(steps, memories, bands, multipliers, self._jobs)

@@ -14,10 +14,11 @@ import numpy.typing as npt
 
 from adr_opt.kernels.core.compile import inlined, kernel
 
-from .hashing import slot_of
-from .memories import memory_of
 from .relaxation import Relaxation
 from .tour import TimedTour, reached
+
+BITS = 63
+"""Targets whose set fits a word."""
 
 
 class Layer(NamedTuple):
@@ -25,8 +26,8 @@ class Layer(NamedTuple):
 
     Attributes
     ----------
-    done : (room,) int64
-        Bit j says that target j is done.
+    done : (room, words) int64
+        The targets that are done, as a set of :class:`Deadlines`.
     place : (room,) int8
     time : (room,) float64
         Since when the chaser is free there [s].
@@ -47,24 +48,28 @@ class Layer(NamedTuple):
 
 
 class Deadlines(NamedTuple):
-    """Deadlines for targets still to do, by place.
+    """Deadlines for targets still to do, by place, and the numbers in which sets are kept.
 
     Attributes
     ----------
+    word, bit : (targets,) int64
+        The word of a set in which a target is, and its bit there.
     time : (targets, targets) float64
         Latest times at a place for the others, in ascending order [s].
-    missed : (targets, targets + 1) int64
+    missed : (targets, targets + 1, words) int64
         Targets whose times are before that of an index, as a set.
     """
 
+    word: npt.NDArray[np.int64]
+    bit: npt.NDArray[np.int64]
     time: npt.NDArray[np.float64]
     missed: npt.NDArray[np.int64]
 
 
-def empty_layer(room: int) -> Layer:
+def empty_layer(room: int, words: int) -> Layer:
     """A layer with room for labels."""
     return Layer(
-        np.empty(room, np.int64),
+        np.empty((room, words), np.int64),
         np.empty(room, np.int8),
         np.empty(room),
         np.empty(room, np.int32),
@@ -73,26 +78,51 @@ def empty_layer(room: int) -> Layer:
     )
 
 
-def windows_of(latest: npt.NDArray[np.float64]) -> Deadlines:
-    """Deadlines in order, from :func:`.tour.deadlines`."""
+def windows_of(latest: npt.NDArray[np.float64], bits: int = BITS) -> Deadlines:
+    """Deadlines in order, from :func:`.tour.deadlines`; ``bits`` targets go into a word."""
     targets = latest.shape[0] - 1
-    time = np.full((targets, targets), np.inf)
-    missed = np.zeros((targets, targets + 1), dtype=np.int64)
+    word, at = np.divmod(np.arange(targets), bits)
+    bit, time = np.left_shift(1, at), np.full((targets, targets), np.inf)
+    missed = np.zeros((targets, targets + 1, int(word.max()) + 1), dtype=np.int64)
     for place in range(targets):
         others = [j for j in range(targets) if j != place]
         order = [others[rank] for rank in np.argsort(latest[place, others], kind="stable")]
         time[place, : targets - 1] = latest[place, order]
         for rank, j in enumerate(order):
-            missed[place, rank + 1] = missed[place, rank] | (1 << j)
+            missed[place, rank + 1] = missed[place, rank]
+            missed[place, rank + 1, word[j]] |= bit[j]
         missed[place, targets] = missed[place, targets - 1]
-    return Deadlines(time, missed)
+    return Deadlines(word, bit, time, missed)
+
+
+@inlined
+def _slot_of(table, sets, places, done, place):
+    """Slot of the label with a set and a place, or where it should be entered.
+
+    Open addressing with linear probing: the table holds numbers of labels, −1 where it is empty,
+    and has a power of two of slots. Sets are multiplied by odd constants (Knuth, The Art of
+    Computer Programming 3, 6.4).
+    """
+    mask, mixed = table.size - 1, np.int64(place + 1) * 0x1E3779B97F4A7C15
+    for word in range(done.size):
+        mixed = (mixed + done[word]) * 0x5851F42D4C957F2D
+    slot = (mixed ^ (mixed >> 29)) & mask
+    while table[slot] >= 0:
+        label = table[slot]
+        same = places[label] == place
+        for word in range(done.size):
+            same = same and sets[label, word] == done[word]
+        if same:
+            break
+        slot = (slot + 1) & mask
+    return slot
 
 
 @kernel
 def reenter(table, layer, count):
     """Enter all labels of a layer into a larger table, which is empty."""
     for label in range(count):
-        slot = slot_of(table, layer.done, layer.place, layer.done[label], layer.place[label])
+        slot = _slot_of(table, layer.done, layer.place, layer.done[label], layer.place[label])
         table[slot] = label
 
 
@@ -106,7 +136,21 @@ def _misses(windows, done, place, time):
             low = middle + 1
         else:
             high = middle
-    return windows.missed[place, low] & ~done != 0
+    missed = 0
+    for word in range(done.size):
+        missed |= windows.missed[place, low, word] & ~done[word]
+    return missed != 0
+
+
+@inlined
+def _memory_of(near, windows, done, place):
+    """The memory at a place of a set of targets that are done."""
+    memory = 0
+    for q in range(near.shape[1]):
+        j = near[place, q]
+        if j >= 0 and done[windows.word[j]] & windows.bit[j]:
+            memory |= 1 << q
+    return memory
 
 
 @kernel
@@ -129,31 +173,35 @@ def extend(tour, relaxation, windows, most, before, after, table, cursor):
     """
     targets, left = tour.targets, cursor[1]
     steps, memories, bands, multipliers, values = relaxation
-    room, count = after.done.size, cursor[0]
-    label = cursor[2]
+    room, count = after.place.size, cursor[0]
+    label, extended = cursor[2], np.empty(before.done.shape[1], np.int64)
     while label < cursor[3] and count + targets <= room:
-        done, here, time = before.done[label], np.int64(before.place[label]), before.time[label]
+        here, time = np.int64(before.place[label]), before.time[label]
         for j in range(targets):
-            if done >> j & 1:
+            if before.done[label, windows.word[j]] & windows.bit[j]:
                 continue
             end = reached(tour, here, j, time)
             step = max(0, int((end - tour.ready) / steps.length - 1e-9)) if end < np.inf else -1
             if step < bands.low[left, j] or step > bands.high[left, j]:
                 continue
-            extended = done | (np.int64(1) << j)
+            for word in range(extended.size):
+                extended[word] = before.done[label, word]
+            extended[windows.word[j]] |= windows.bit[j]
             if _misses(windows, extended, j, end):
                 continue
             row = bands.begin[left, j] + step - bands.low[left, j]
             rest = before.rest[label] - multipliers[j]
-            bound = values[row, memory_of(memories.near, extended, j)] - rest
+            bound = values[row, _memory_of(memories.near, windows, extended, j)] - rest
             if bound > most:
                 continue
-            slot = slot_of(table, after.done, after.place, extended, j)
+            slot = _slot_of(table, after.done, after.place, extended, j)
             known = np.int64(table[slot])
             if known < 0:
                 known = count
                 table[slot] = count
-                after.done[count], after.place[count], after.rest[count] = extended, j, rest
+                for word in range(extended.size):
+                    after.done[count, word] = extended[word]
+                after.place[count], after.rest[count] = j, rest
                 after.time[count] = np.inf
                 count += 1
             if end < after.time[known]:
@@ -226,7 +274,7 @@ class LayerSearch:
         self, tour: TimedTour, relaxation: Relaxation, windows: Deadlines, over: Callable[[], bool]
     ) -> None:
         self._tour, self._relaxation, self._windows = tour, relaxation, windows
-        self._over = over
+        self._over, self._words = over, windows.missed.shape[2]
 
     def search(self, most: int, room: int, width: int | None = None) -> Outcome:
         """Search for the tour that ends first, of those that end by a number of units.
@@ -241,7 +289,7 @@ class LayerSearch:
             Number of labels of each layer that go on, those of least bound; all by default.
         """
         tour, targets = self._tour, self._tour.targets
-        layer = empty_layer(1)
+        layer = empty_layer(1, self._words)
         layer.done[0], layer.place[0], layer.time[0] = 0, targets, tour.ready
         layer.rest[0] = self._relaxation.multipliers.sum()
         count, total, whole = 1, 0, True
@@ -274,7 +322,7 @@ class LayerSearch:
         self, before: Layer, count: int, left: int, most: int, room: int
     ) -> tuple[Layer, int] | None:
         """The next layer; None if there is no room or no time for it."""
-        after = empty_layer(FIRST_ROOM)
+        after = empty_layer(FIRST_ROOM, self._words)
         table = np.full(4 * FIRST_ROOM, -1, dtype=np.int32)
         cursor = np.array([0, left, 0, 0])
         while cursor[2] < count:
@@ -283,11 +331,11 @@ class LayerSearch:
             cursor[3] = min(int(cursor[2]) + CHUNK, count)
             extend(self._tour, self._relaxation, self._windows, most, before, after, table, cursor)
             if cursor[2] < cursor[3]:
-                if after.done.size >= room:
+                if after.place.size >= room:
                     return None
-                wider = empty_layer(2 * after.done.size)
+                wider = empty_layer(2 * after.place.size, self._words)
                 for name in Layer._fields:
-                    getattr(wider, name)[: after.done.size] = getattr(after, name)
+                    getattr(wider, name)[: after.place.size] = getattr(after, name)
                 after, table = wider, np.full(2 * table.size, -1, dtype=np.int32)
                 reenter(table, after, int(cursor[0]))
         return after, int(cursor[0])

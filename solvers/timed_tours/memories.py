@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.legs.given import leg_of
 
 from .tour import TimedTour
@@ -56,16 +56,6 @@ def _onward(near, onward):
                 if i < targets and place[j, i] >= 0:
                     after |= 1 << place[j, i]
                 onward[i, j, memory] = after
-
-
-@inlined
-def memory_of(near, done, place):
-    """The memory at a place of a set of targets that are done."""
-    memory = 0
-    for q in range(near.shape[1]):
-        if near[place, q] >= 0 and done >> near[place, q] & 1:
-            memory |= 1 << q
-    return memory
 
 
 @kernel

@@ -20,8 +20,8 @@ from adr_opt.problem.chasers import AtStation
 
 FloatArray = npt.NDArray[np.float64]
 
-MOST_TARGETS = 57
-"""Maximum number of targets: their set and a place fill an integer."""
+MOST_TARGETS = 100
+"""Maximum number of targets of a tour."""
 
 HALVINGS = 60
 """Number of halvings of a time span."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from adr_opt.problem.bodies import Station, Target
 from adr_opt.problem.chasers import AtStation, Chaser, Tank
-from adr_opt.problem.given import Given, of_rows, only
+from adr_opt.problem.given import Given, among, of_rows, only
 from adr_opt.problem.given_functions import Functions, of_breakpoints
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import GivenFile, MissionSettings, Objective, TransferSettings
@@ -106,3 +106,23 @@ def captured_timed(seed: int, *, all_required: bool = False) -> Instance:
         capture_s = float(rng.choice([0.0, 0.5, 1.0])) * service_s
         targets.append(target.replace(window_s=(0.0, None), windows_s=windows, capture_s=capture_s))
     return instance.replace(targets=tuple(targets))
+
+
+def two_chasers(seed: int) -> Instance:
+    """The same for two chasers with other tanks and times, which count ΔV."""
+    instance = timed_mission(seed)
+    rng, van = np.random.default_rng([2, seed]), instance.chasers[0]
+    other = van.replace(
+        name="cart",
+        tank=Tank(delta_v_m_s=float(rng.integers(2, 12))),
+        available_s=(float(rng.choice([0.0, 10.0])), None),
+    )
+    return instance.replace(chasers=(van, other), objective=Objective(cost="delta-v"))
+
+
+def alone(instance: Instance, chaser: int, dealt: tuple[int, ...]) -> Instance:
+    """The mission of one chaser with the targets that are its own."""
+    mine = [target for target, its in zip(instance.targets, dealt, strict=True) if its == chaser]
+    names = [*(station.name for station in instance.stations), *(each.name for each in mine)]
+    fewer = instance.with_given(among(instance.given, names))
+    return fewer.replace(targets=tuple(mine), chasers=(instance.chasers[chaser],))

@@ -13,7 +13,14 @@ import pytest
 from brute_force import brute_force, brute_force_campaign
 from conftest import Cli
 from drawn_expenses import laden_campaign
-from random_rules import carrying, drifting_mission, given_field, random_mission, towing_mission
+from random_rules import (
+    carrying,
+    drifting_mission,
+    falling,
+    given_field,
+    random_mission,
+    towing_mission,
+)
 from seeds import first_of, over_kinds
 
 import adr_opt
@@ -248,3 +255,13 @@ def test_the_command_states_the_verified_cost(cli: Cli, tmp_path):
     )
     said = cli("verify", instance, plan, certificate)
     assert "no plan that collects as much costs less than" in said.out
+
+
+def test_the_command_says_where_a_cost_is_unverified(cli: Cli, tmp_path):
+    """Where prizes fall the bound on the cost is in no certificate, which `verify` says."""
+    instance = tmp_path / "falling.json"
+    falling(adr_opt.generate("tiny", 3), 0).save(instance)
+    plan, certificate = tmp_path / "plan.json", tmp_path / "proof.json"
+    cli(f"solve {instance} --iterations 20 --out {plan} --certificate", certificate)
+    said = cli("verify", instance, plan, certificate)
+    assert "the bound on cost is not in the certificate, and was not verified" in said.out

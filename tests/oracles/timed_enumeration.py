@@ -34,7 +34,7 @@ def best_route(instance: Instance) -> tuple[float, float]:
     best = (-math.inf, -math.inf)
 
     def legs(i: str, j: str, ready: float) -> list[tuple[float, float]]:
-        function = given.functions.of_pair(i, j)
+        function = given.functions and given.functions.of_pair(i, j)
         if function is not None:
             points = list(zip(function.departure.tolist(), function.arrival.tolist(), strict=True))
             return [(arrival_of(points, ready), function.cost)]
@@ -72,5 +72,5 @@ def best_route(instance: Instance) -> tuple[float, float]:
                 rest = chaser.tank.delta_v_m_s if is_station else left - delta_v
                 go_on(there, end, rest, cost + delta_v, done if is_station else done | {there})
 
-    go_on(chaser.start.station, 0.0, chaser.tank.delta_v_m_s, 0.0, frozenset())
+    go_on(chaser.start.station, chaser.available_s[0], chaser.tank.delta_v_m_s, 0.0, frozenset())
     return best[0], -best[1]

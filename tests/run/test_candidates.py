@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fields import on_rows
 from hand_made import hand_made
 
 import adr_opt
@@ -23,6 +24,7 @@ from adr_opt.legs import connection_finder, timetable, timetable_size
 from adr_opt.legs.nearest_pairs import all_pairs, nearest_pairs
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
+from adr_opt.problem import given
 from adr_opt.problem.instance import Instance
 from adr_opt.run import front, table_budget
 from adr_opt.run.methods import BOUNDS, PLANNERS
@@ -369,3 +371,20 @@ def test_control_groups_limit_the_memory(tmp_path: Path):
     assert memory._of_the_group(tmp_path / "sys", membership) == 200.0
     assert memory._of_the_group(tmp_path, tmp_path / "none") == math.inf
     assert memory.available_bytes() > 0.0
+
+
+def test_a_table_of_given_connections_holds_the_pairs_that_have_any():
+    """It is whole without the others, whose looking up takes longer, and so is a part of it."""
+    instance = on_rows(30, near=4)
+    whole = timetable.Timetable(instance)
+    kept = given.among(instance.given, [instance.names[0], *instance.names[6:]])
+    fewer = instance.with_given(kept).replace(targets=instance.targets[5:])
+    part = whole.of_variant(fewer, whole.connecting.shortened(fewer))
+    for held in (whole, part, timetable.Timetable(fewer)):
+        bodies = len(held.names)
+        every = timetable.Timetable(held.instance, pairs=all_pairs(bodies))
+        assert held.is_whole
+        assert held.built <= 4 * bodies
+        for i, j in itertools.permutations(range(bodies), 2):
+            for ready in (0.0, 3e4, 6e4):
+                assert held.lookup(i, j, ready) == every.lookup(i, j, ready)

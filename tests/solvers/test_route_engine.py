@@ -219,11 +219,11 @@ def test_two_chasers_collect_what_enumeration_does(seed: int) -> None:
 def test_functions_of_time_have_no_limit_of_targets_or_chasers() -> None:
     """Two chasers and seventy targets by functions of time have a plan that ``check`` accepts."""
     instance = roaming(70, 2)
-    result = adr_opt.solve(instance, "auto", time_limit=60.0, iterations=2)
+    result = adr_opt.solve(instance, "auto", time_limit=60.0, iterations=2, prove=False)
     assert result.plan is not None
     assert adr_opt.check(instance, result.plan) == ()
     assert all(route.legs for route in result.plan.routes)
-    again = adr_opt.solve(instance, "auto", time_limit=60.0, iterations=2, jobs=1)
+    again = adr_opt.solve(instance, "auto", time_limit=60.0, iterations=2, jobs=1, prove=False)
     assert again.routes == result.routes
 
 
@@ -244,8 +244,8 @@ class Countdown(Stop):
 
 
 def test_a_proof_without_an_end_leaves_time_to_the_engine() -> None:
-    """By functions of time to forty targets, rounds go on where the proof has used up its part."""
-    problem = Problem(roaming(40, 1, 250.0))
+    """By functions of time to twenty targets, rounds go on where the proof has used up its part."""
+    problem = Problem(roaming(20, 1, 250.0))
     problem.do_without()
     first = EngineRounds(problem, GapTracker(problem, silent), 0, Interrupted(), 1)
     first.at_first()
@@ -253,7 +253,7 @@ def test_a_proof_without_an_end_leaves_time_to_the_engine() -> None:
     result = timed_routes.plan(
         "auto", problem, seed=0, stop=stop, progress=silent, start=None, options=AutoOptions(jobs=1)
     )
-    assert result.counters["labels"] > 0
+    assert result.counters["optimistic"] > 0
     assert result.status == "feasible"
     assert result.counters["rounds"] > first.counters["rounds"] > 0
 

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 from seeds import over_seeds
 from timed_enumeration import best_route
-from timed_fields import captured_timed, timed_mission
+from timed_fields import alone, captured_timed, timed_mission, two_chasers
 
 import adr_opt
+from adr_opt.mission.certified import certify
 from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
+from adr_opt.problem.given import only
+from adr_opt.problem.given_functions import of_breakpoints
 from solvers.timed_tours.earliest_end import EarliestEnd
 from solvers.timed_tours.layers import LayerSearch, windows_of
 from solvers.timed_tours.memories import memories_of
+from solvers.timed_tours.optimistic import OptimisticLegs
 from solvers.timed_tours.relaxation import bound_units, narrowed, relaxed, steps_of, whole_bands
 from solvers.timed_tours.tour import deadlines, end_of, last_end, sequence_of, tour_of
 
@@ -41,6 +48,25 @@ def test_routes_are_those_of_enumeration(seed: int) -> None:
     _compare(timed_mission(seed), "exact" if seed % 2 else "auto")
 
 
+@over_seeds(range(1000), gate=3)
+def test_two_chasers_are_those_of_enumeration(seed: int) -> None:
+    """Of two chasers prizes and least ΔV are the best of all ways to deal out the targets."""
+    instance = two_chasers(seed)
+    best = (-math.inf, -math.inf)
+    for dealt in itertools.product((0, 1), repeat=len(instance.targets)):
+        found = [best_route(alone(instance, chaser, dealt)) for chaser in (0, 1)]
+        best = max(best, (sum(one[0] for one in found), -sum(one[1] for one in found)))
+    result = adr_opt.solve(instance, "exact", time_limit=1000.0)
+    if best[0] == -math.inf:
+        assert result.status == "infeasible"
+        return
+    assert result.status == "optimal"
+    assert adr_opt.check(instance, result.plan) == ()
+    assert result.objective == pytest.approx(best[0])
+    assert result.plan.cost == pytest.approx(-best[1], abs=1e-5)
+    assert result.plan.cost_bound <= -best[1] + 1e-5
+
+
 @over_seeds(range(200), gate=6)
 def test_tours_are_those_of_enumeration(seed: int) -> None:
     """With all targets required the end is the least of all orders, or there is no tour."""
@@ -54,9 +80,32 @@ def test_windows_are_those_of_enumeration(seed: int) -> None:
     _compare(instance, "exact" if seed % 2 else "auto")
 
 
+@over_seeds(range(300), gate=4)
+def test_optimistic_legs_are_no_later(seed: int) -> None:
+    """On them each route ends no later than in truth, and as late once its times are points."""
+    instance = timed_mission(seed, all_required=True)
+    mission, legs = adr_opt.Mission(instance), OptimisticLegs(Problem(instance))
+    for body, points in legs.points.items():
+        legs.points[body] = points[:: 1 + seed % 100]
+    targets = range(mission.rules.first_target, len(mission.names))
+    for order in itertools.islice(itertools.permutations(targets), 6):
+        route = mission.closed(order)
+        truth, coarse = mission.time(route), Mission(legs.instance())
+        optimistic = coarse.time(route)
+        assert optimistic.made >= truth.made
+        if truth.made == len(route) and mission.may_stop(route):
+            assert optimistic.cost <= truth.cost
+            legs.refine(certify(coarse, "by hand", route, seed=0, runtime_s=0.0).plan)
+            found = Mission(legs.instance()).time(route).cost
+            assert found == pytest.approx(truth.cost, abs=1e-4)
+
+
 @over_seeds(range(100), gate=3)
 def test_relaxed_tours_end_no_later(seed: int) -> None:
-    """For any multipliers, steps and memories the relaxation is no more than the best tour."""
+    """For any multipliers, steps and memories the relaxation is no more than the best tour.
+
+    However many words the sets take.
+    """
     instance = timed_mission(seed, all_required=True)
     prizes, least = best_route(instance)
     tour = tour_of(adr_opt.Mission(instance))
@@ -72,7 +121,8 @@ def test_relaxed_tours_end_no_later(seed: int) -> None:
     most = math.floor((least + 1e-6 - tour.ready) / steps.unit)
     finer = steps_of(tour, until, 2 * count)
     narrow = relaxed(finer, memories, narrowed(found, most, 2), multipliers, 1)
-    search = LayerSearch(tour, narrow, windows_of(deadlines(tour, until)), lambda: False)
+    windows = windows_of(deadlines(tour, until), bits=1 + seed % 4)
+    search = LayerSearch(tour, narrow, windows, lambda: False)
     outcome = search.search(most, 10**6)
     assert outcome.whole
     assert outcome.end_s == pytest.approx(least, abs=1e-6)
@@ -125,3 +175,43 @@ def test_a_certificate_is_verified() -> None:
     verdict = adr_opt.verify(instance, result.plan, certificate_of(instance, result))
     assert verdict.verified
     assert verdict.upper_bound == result.objective
+
+
+@pytest.mark.slow
+def test_sets_of_two_words_are_proven() -> None:
+    """Of seventy targets whose windows leave little choice the least end is that of all orders."""
+    rng, names = np.random.default_rng(5), [f"t{number:02d}" for number in range(70)]
+    takes = 1.0 + rng.random((71, 71))
+    pairs = [
+        (i, j, [[0.0, takes[a, b]], [300.0, 300.0 + takes[a, b]]], 0.0)
+        for (a, i), (b, j) in itertools.permutations(enumerate(["s0", *names]), 2)
+    ]
+    shape = timed_mission(0, all_required=True)
+    made = shape.with_given(only(of_breakpoints([], shape.names))).replace(
+        stations=shape.stations[:1],
+        targets=[
+            shape.targets[0].replace(name=name, window_s=(3.0 * at, 3.0 * at + 4.0))
+            for at, name in enumerate(names)
+        ],
+        chasers=[shape.chaser.replace(end="anywhere")],
+        mission=shape.mission.replace(duration_s=300.0, service_s=0.0),
+    )
+    tour = tour_of(Mission(made.with_given(only(of_breakpoints(pairs, made.names)))))
+    assert tour is not None
+    search = EarliestEnd(tour, lambda: False, jobs=1, most_labels=10**6)
+    for _ in search.rounds():
+        pass
+    assert search.proven
+    # By sets as Python has them: of all targets but a few the order is settled.
+    ways = {(frozenset[int](), 0): 0.0}
+    for _ in names:
+        longer: dict[tuple[frozenset[int], int], float] = {}
+        for (done, here), time in ways.items():
+            for at in range(70):
+                end = max(time + takes[here, at + 1], 3.0 * at)
+                late = set(range(70)).difference(done, {at}, range(math.ceil(end / 3.0 - 2.0), 70))
+                if at not in done and end <= 3.0 * at + 4.0 and not late:
+                    key = done | {at}, at + 1
+                    longer[key] = min(end, longer.get(key, math.inf))
+        ways = longer
+    assert search.end_s == pytest.approx(min(ways.values()), abs=1e-4)

@@ -239,13 +239,14 @@ def part_of(table: Table, limits: ServiceLimits, bodies: np.ndarray) -> tuple[Ta
     """
     if bodies.size == table.spacing.size and bool((bodies == np.arange(bodies.size)).all()):
         return table, limits
+    slots = slice(None) if table.slot.size else bodies
     part = Table(
-        first=table.first[np.ix_(bodies, bodies)],
+        first=table.first[bodies][:, slots],
         spacing=table.spacing[bodies],
-        total=table.total[np.ix_(bodies, bodies)],
-        entries=table.entries[bodies][:, :, bodies],
-        departure=table.departure[bodies][:, :, bodies],
-        slot=NO_SLOTS,
+        total=table.total[bodies][:, slots],
+        entries=table.entries[bodies][:, :, slots],
+        departure=table.departure[bodies][:, :, slots],
+        slot=table.slot[np.ix_(bodies, bodies)] if table.slot.size else NO_SLOTS,
     )
     service, windows = limits.service[bodies], limits.windows.of(bodies)
     return part, ServiceLimits(service, windows, limits.ready, limits.duration)
