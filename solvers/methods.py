@@ -5,7 +5,7 @@ from __future__ import annotations
 from adr_opt.problem.rules import CAMPAIGNS, FIRST, MODELLED, PLAYED, RELEASES, TOURS
 from adr_opt.run.method_spec import MethodSpec, Practice
 
-MODEL = FIRST | MODELLED | {"capture windows"}
+MODEL = FIRST | MODELLED | {"capture windows", "end of life"}
 """What follows from the connections, and the rules of 1.0."""
 
 ON_A_TANK = MODEL | {"visits between refuellings"}

@@ -19,7 +19,7 @@ STABLE = _names("""
 """Names of ``adr_opt`` that keep their arguments and their meaning within 1.x."""
 
 PROVISIONAL = _names("""
-    adr_opt.analysis adr_opt.analysis.scenario adr_opt.analysis.screening
+    adr_opt.analysis adr_opt.analysis.disposal adr_opt.analysis.scenario adr_opt.analysis.screening
     adr_opt.analysis.windows adr_opt.common.options adr_opt.common.stop
     adr_opt.export.flights adr_opt.export.tables adr_opt.fly.dispersion adr_opt.fly.flight
     adr_opt.fly.forces adr_opt.fly.refine.ephemeris adr_opt.fly.trajectory adr_opt.kernels

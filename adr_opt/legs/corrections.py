@@ -229,9 +229,7 @@ class Corrections:
         if barred:
             parts.append(f"no transfer between {barred} pairs without a known trajectory")
         if lost:
-            parts.append(
-                f"no transfer within the times of {counted(lost, 'leg')} not found in them"
-            )
+            parts.append(f"no transfer within {counted(lost, 'time')} when none can be flown")
         if self.stays_s:
             longest = max(self.stays_s.values()) / DAY_S
             parts.append(

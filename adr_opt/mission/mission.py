@@ -206,7 +206,7 @@ class Mission(Shown, Prizes):
         for array in (is_station, may_end):
             array.setflags(write=False)
         loads = loads_of(instance, chaser, self.margin)
-        budget = chaser.tank.delta_v_m_s - self.reserve_m_s + SLACK_M_S
+        budget = chaser.usable.delta_v_m_s - self.reserve_m_s + SLACK_M_S
         if loads is not None:
             budget = most_left_m_s(loads)
         return kernels.Rules(
@@ -234,7 +234,7 @@ class Mission(Shown, Prizes):
     @property
     def reserve_m_s(self) -> float:
         """ΔV reserved in each tank [m/s]."""
-        return self.margin * self.chaser.tank.delta_v_m_s
+        return self.margin * self.chaser.usable.delta_v_m_s
 
     @property
     def most_targets(self) -> int | None:

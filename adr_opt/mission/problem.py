@@ -180,7 +180,7 @@ class Problem(Shown, Prizes):
             return False
         spent = chaser.spent_m_s + mission.reserve_m_s
         dearest = float(given.cost.max(initial=0.0))
-        return targets * dearest <= chaser.tank.delta_v_m_s - spent
+        return targets * dearest <= chaser.usable.delta_v_m_s - spent
 
     @cached_property
     def kind_of(self) -> tuple[int, ...]:

@@ -30,7 +30,7 @@ def with_tank(chaser: Chaser, scale: float) -> Chaser:
     The ΔV that is lacking at the start stays lacking, as first legs pay for it: more in a full tank
     is more at the start, too.
     """
-    tank = chaser.tank
+    tank = chaser.usable
     if isinstance(tank, TankByMass):
         propellant_kg = min(scale * tank.propellant_kg, LARGEST_MASS_KG)
         larger = tank.replace(propellant_kg=propellant_kg, initial_propellant_kg=None)
@@ -38,10 +38,11 @@ def with_tank(chaser: Chaser, scale: float) -> Chaser:
             left_m_s = larger.delta_v_m_s - chaser.spent_m_s
             left_kg = tank.dry_mass_kg * math.expm1(left_m_s / tank.exhaust_m_s)
             larger = larger.replace(initial_propellant_kg=max(left_kg, 0.0))
-        return chaser.replace(tank=larger)
+        return chaser.replace(tank=larger, end_of_life_m_s=None)
     full = min(scale * tank.delta_v_m_s, LARGEST_DELTA_V_M_S)
     initial = full - chaser.spent_m_s if chaser.spent_m_s else None
-    return chaser.replace(tank=Tank(delta_v_m_s=full, initial_delta_v_m_s=initial))
+    tank = Tank(delta_v_m_s=full, initial_delta_v_m_s=initial)
+    return chaser.replace(tank=tank, end_of_life_m_s=None)
 
 
 class Relaxed:
@@ -96,7 +97,7 @@ class Relaxed:
         if not self._counts:
             chaser = chaser.replace(kits=None, max_targets=None)
         loads = loads_of(mission.instance, chaser, mission.margin)
-        budget = (1.0 - mission.margin) * chaser.tank.delta_v_m_s + SLACK_M_S
+        budget = (1.0 - mission.margin) * chaser.usable.delta_v_m_s + SLACK_M_S
         if loads is not None:
             budget = most_left_m_s(loads)
         return self._rules._replace(budget=budget, loads=loads)
@@ -116,14 +117,14 @@ class Relaxed:
     def added_m_s(self, scale: float) -> float:
         """Additional ΔV of a scaled tank [m/s]."""
         chaser = self._mission.chaser
-        return with_tank(chaser, scale).tank.delta_v_m_s - chaser.tank.delta_v_m_s
+        return with_tank(chaser, scale).usable.delta_v_m_s - chaser.usable.delta_v_m_s
 
     def least_scale(self, moves: Moves) -> float | None:
         """Least scale of the tank."""
         if self.front(moves, LARGEST) is None:
             return None
         low, high = 1.0, LARGEST
-        full = self._mission.chaser.tank.delta_v_m_s
+        full = self._mission.chaser.usable.delta_v_m_s
         steps = math.ceil(math.log2(max(LARGEST * full / PRECISION_M_S, 2.0)))
         for _ in range(steps):
             middle = 0.5 * (low + high)

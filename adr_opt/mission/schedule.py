@@ -223,7 +223,7 @@ class Scheduler:
         """ΔV that is kept back in each tank, of one without kits [m/s]."""
         rules = self._rules()
         full = rules.budget if rules.loads is None else float(rules.loads.full[0])
-        return self._chaser.tank.delta_v_m_s + SLACK_M_S - full
+        return self._chaser.usable.delta_v_m_s + SLACK_M_S - full
 
     @property
     def _keeps_to_heaviest(self) -> bool:
@@ -238,7 +238,7 @@ class Scheduler:
 
     def _caps(self, found: Connections, i: int, aboard: int) -> FloatArray | None:
         """Most ΔV that may be left before each of some connections, as labels count it [m/s]."""
-        tank = self._chaser.tank
+        tank = self._chaser.usable
         if found.mass_kg is None or not isinstance(tank, TankByMass):
             return None
         empty_kg = tank.dry_mass_kg + aboard * self._chaser.kit_mass_kg
@@ -367,7 +367,7 @@ class Scheduler:
         flown = 0.0 if loads is None else float(loads.flown[body])
         if not self._by_expense:
             return np.empty(0), delta_v + flown
-        tank = self._chaser.tank
+        tank = self._chaser.usable
         if refuelled or not self._weighs or not isinstance(tank, TankByMass):
             return np.empty(0), np.zeros(delta_v.size)
         empty_kg = tank.dry_mass_kg + aboard * self._chaser.kit_mass_kg
@@ -414,7 +414,7 @@ class Scheduler:
 
     def _most_cost(self, rules: Rules) -> float:
         """Upper limit on the cost of a label."""
-        tank, kits = self._chaser.tank, 0
+        tank, kits = self._chaser.usable, 0
         if rules.loads is not None:
             kits = rules.loads.full.size - 1
         if self._by_expense and isinstance(tank, TankByMass):

@@ -47,7 +47,7 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
     allowed = most_targets(instance, chaser)
     most = most if allowed is None else min(most, allowed)
     cargo = chaser.kit_mass_kg * np.arange(most + 1)
-    full = [(1.0 - margin) * chaser.tank.full_m_s(float(mass)) + SLACK_M_S for mass in cargo]
+    full = [(1.0 - margin) * chaser.usable.full_m_s(float(mass)) + SLACK_M_S for mass in cargo]
     first = list(full)
     if chaser.lacks_by_mass:
         lacking = [chaser.spent_with_m_s(float(mass)) for mass in cargo]
@@ -55,24 +55,24 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
     scale = np.ones((takes.size, most + 1))
     loss = np.zeros_like(scale)
     if heavy:
-        without_propellant = getattr(chaser.tank, "dry_mass_kg", 0.0) + cargo
+        without_propellant = getattr(chaser.usable, "dry_mass_kg", 0.0) + cargo
         lighter = without_propellant - chaser.kit_mass_kg
         of_kit = np.divide(without_propellant, lighter, where=cargo > 0.0, out=np.ones(most + 1))
         scale[takes == 1] = of_kit
         loss[takes == 1] = of_kit - 1.0
     flown = np.zeros(takes.size)
     for body, tow in tows.items():
-        assert isinstance(chaser.tank, TankByMass)
-        kept = math.exp(-(tow.delta_v_m_s - tow.back_m_s) / chaser.tank.exhaust_m_s)
-        alone = math.exp(-tow.back_m_s / chaser.tank.exhaust_m_s)
+        assert isinstance(chaser.usable, TankByMass)
+        kept = math.exp(-(tow.delta_v_m_s - tow.back_m_s) / chaser.usable.exhaust_m_s)
+        alone = math.exp(-tow.back_m_s / chaser.usable.exhaust_m_s)
         scale[body] = kept * alone
         lost = alone * (1.0 - kept) * tow.object_kg
-        loss[body] = lost / (chaser.tank.dry_mass_kg + cargo)
+        loss[body] = lost / (chaser.usable.dry_mass_kg + cargo)
         flown[body] = tow.delta_v_m_s
     columns = takes, np.array(full), np.array(first), scale, loss
     for column in (*columns, flown):
         column.setflags(write=False)
-    return Loads(chaser.tank.exhaust_m_s, *columns, heavy, flown)
+    return Loads(chaser.usable.exhaust_m_s, *columns, heavy, flown)
 
 
 def most_left_m_s(loads: Loads) -> float:
@@ -141,7 +141,7 @@ def followed(
         Propellant vented before each leg; empty for none [kg]. What is vented before the first one
         is not there at the start.
     """
-    tank, kits = chaser.tank, kits_of(instance, (destination for destination, _ in legs))
+    tank, kits = chaser.usable, kits_of(instance, (destination for destination, _ in legs))
     takers = {target.name for target in instance.targets if target.service.takes_kit}
     tows = removals_by_name(instance, drive_of(chaser, instance.targets))
     cargo_kg = kits * chaser.kit_mass_kg
@@ -205,7 +205,7 @@ def carried(
     vented_kg: Sequence[float] = (),
 ) -> Carried:
     """Cargo of a chaser along its route; see :func:`followed`."""
-    stages, tank = followed(instance, chaser, legs, vented_kg=vented_kg), chaser.tank
+    stages, tank = followed(instance, chaser, legs, vented_kg=vented_kg), chaser.usable
     gone = vented_kg or (0.0,) * len(legs)
     later = (0.0, *gone[1:])
     start, end = stages[0], stages[-1]
@@ -218,7 +218,9 @@ def carried(
     )
     used += sum(stage.removal_kg for stage in stages)
     without = tank.dry_mass_kg + end.kits * chaser.kit_mass_kg
-    aboard = tank.first_kg(start.kits * chaser.kit_mass_kg, chaser.most_kg)
+    loaded = chaser.tank
+    assert isinstance(loaded, TankByMass)
+    aboard = loaded.first_kg(start.kits * chaser.kit_mass_kg, chaser.most_kg)
     return Carried(
         start.mass_kg, aboard - never, start.kits, used, end.mass_kg - without, end.mass_kg
     )
@@ -233,7 +235,7 @@ def what_counts(instance: Instance) -> str:
 
 def carries(instance: Instance) -> bool:
     """Whether masses or kits of any chaser are tracked."""
-    by_mass = any(isinstance(chaser.tank, TankByMass) for chaser in instance.chasers)
+    by_mass = any(isinstance(chaser.usable, TankByMass) for chaser in instance.chasers)
     return by_mass or any(target.service.takes_kit for target in instance.targets)
 
 
@@ -249,9 +251,9 @@ def tank_worths(
     That of a tank by mass goes with what is left behind or towed meanwhile, and when. Tows cost
     ``towing_m_s``, and ``vented_kg`` is missing, as in :func:`followed`.
     """
-    if not isinstance(chaser.tank, TankByMass):
+    if not isinstance(chaser.usable, TankByMass):
         refuellings = sum(destination in instance.station_names for destination, _ in legs)
-        full = chaser.tank.delta_v_m_s
+        full = chaser.usable.delta_v_m_s
         return (full - chaser.spent_m_s, *(full,) * refuellings)
     stages = followed(instance, chaser, legs, towing_m_s, vented_kg)
     worths, used = [], 0.0
@@ -274,7 +276,7 @@ def _less(chaser: Chaser, kits: int, left_m_s: float, vented_kg: Sequence[float]
 
 def _mass_kg(chaser: Chaser, kits: int, left_m_s: float) -> float | None:
     """Mass with a number of kits and a remaining ΔV [kg]."""
-    tank = chaser.tank
+    tank = chaser.usable
     if not isinstance(tank, TankByMass):
         return None
     without = tank.dry_mass_kg + kits * chaser.kit_mass_kg
@@ -286,6 +288,6 @@ def _left_m_s(chaser: Chaser, kits: int, mass_kg: float) -> float:
 
     Of a mass that cannot be, which only a plan has that takes far more than there is, less by far.
     """
-    assert isinstance(chaser.tank, TankByMass)
-    without = chaser.tank.dry_mass_kg + kits * chaser.kit_mass_kg
-    return chaser.tank.exhaust_m_s * math.log(max(mass_kg / without, LEAST_SHARE))
+    assert isinstance(chaser.usable, TankByMass)
+    without = chaser.usable.dry_mass_kg + kits * chaser.kit_mass_kg
+    return chaser.usable.exhaust_m_s * math.log(max(mass_kg / without, LEAST_SHARE))

@@ -29,7 +29,7 @@ def carried_kg(
     legs : sequence of (str, float)
         Destination and ΔV [m/s] of each.
     """
-    tank = chaser.tank
+    tank = chaser.usable
     if not isinstance(tank, TankByMass):
         return None
     stops = [at for at, (body, _) in enumerate(legs) if body in instance.station_names]

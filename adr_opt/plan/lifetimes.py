@@ -12,7 +12,7 @@ import numpy as np
 from ..common.constants import EARTH_RADIUS_M
 from ..problem.air import lifetimes
 from ..problem.bodies import Target
-from ..problem.disposal import DisposalCircle
+from ..problem.disposal import DisposalCircle, comes_down_at_once
 from ..problem.drives import Drive
 from ..problem.instance import Instance
 from .tows import removals_of
@@ -36,8 +36,8 @@ def apsides_of(target: Target) -> tuple[float, float]:
     return low, orbit.semi_major_axis_m * (1.0 + orbit.eccentricity)
 
 
-def lifetimes_years(instance: Instance, drive: Drive | None) -> dict[int, float]:
-    """Lifetimes of released objects, by number of the body [years]; at most :data:`MOST_YEARS`.
+def shells_of(instance: Instance, drive: Drive | None) -> dict[int, tuple[float, float]]:
+    """Radii of perigee and apogee on which objects are released, by number of the body [m].
 
     Parameters
     ----------
@@ -49,20 +49,37 @@ def lifetimes_years(instance: Instance, drive: Drive | None) -> dict[int, float]
     for body, target in enumerate(instance.targets, start=instance.first_target):
         if target.service.takes_kit and target.disposal is not None and target.orbit is not None:
             shells[body] = apsides_of(target)
+    return shells
+
+
+def lifetimes_years(
+    instance: Instance, drive: Drive | None, activity: str = ACTIVITY
+) -> dict[int, float]:
+    """Lifetimes of released objects, by number of the body [years]; at most :data:`MOST_YEARS`."""
+    shells = shells_of(instance, drive)
     areas = [instance.targets[body - instance.first_target].area_to_mass_m2_kg for body in shells]
     years = lifetimes(
         np.array(list(shells.values())).reshape(-1, 2),
         np.array([ASSUMED_AREA_TO_MASS_M2_KG if area is None else area for area in areas]),
-        ACTIVITY,
+        activity,
         MOST_YEARS,
     )
     return dict(zip(shells, years.tolist(), strict=True))
 
 
-def outliving(instance: Instance, drive: Drive | None) -> frozenset[int]:
-    """Bodies that would stay in orbit longer than the mission allows, which nobody may release."""
-    most = instance.mission.max_lifetime_years
-    if most is None:
-        return frozenset()
-    years = lifetimes_years(instance, drive)
-    return frozenset(body for body, each in years.items() if each > most)
+def unreleasable(instance: Instance, drive: Drive | None) -> frozenset[int]:
+    """Bodies that nobody may release where they would be.
+
+    They would stay in orbit longer than the mission allows, or are heavier than what may re-enter
+    without control, as those of unknown mass are, and would not come down at once.
+    """
+    years, kg = instance.mission.max_lifetime_years, instance.mission.max_uncontrolled_kg
+    found = set[int]()
+    if years is not None:
+        found |= {body for body, each in lifetimes_years(instance, drive).items() if each > years}
+    if kg is not None:
+        for body, (perigee_m, _) in shells_of(instance, drive).items():
+            mass_kg = instance.targets[body - instance.first_target].mass_kg
+            if (mass_kg is None or mass_kg > kg) and not comes_down_at_once(perigee_m):
+                found.add(body)
+    return frozenset(found)

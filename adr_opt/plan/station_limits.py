@@ -74,7 +74,7 @@ class StationLimits:
         """
         if not self:
             return ()
-        stages, tank = followed(self._instance, chaser, legs), chaser.tank
+        stages, tank = followed(self._instance, chaser, legs), chaser.usable
         taken = []
         for name, weighs in self._limits:
             stops = [at for at, (body, _) in enumerate(legs) if body == name]

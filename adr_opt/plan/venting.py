@@ -31,7 +31,7 @@ def vented(instance: Instance, chaser: Chaser, legs: Iterable[Leg]) -> Iterator[
     legs : iterable of Leg
         Whose tank suffices for their classes.
     """
-    legs, tank = tuple(legs), chaser.tank
+    legs, tank = tuple(legs), chaser.usable
     if not isinstance(tank, TankByMass) or all(leg.mass_class_kg is None for leg in legs):
         yield from legs
         return

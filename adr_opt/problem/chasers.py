@@ -196,6 +196,14 @@ class Tank(_OfTwoKinds):
     def _without_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return _without(write(self), "initial_delta_v_m_s")
 
+    def keeping(self, reserve_m_s: float) -> Tank:
+        """The tank without what is kept back [m/s]."""
+        initial = self.initial_delta_v_m_s
+        return Tank(
+            delta_v_m_s=self.delta_v_m_s - reserve_m_s,
+            initial_delta_v_m_s=None if initial is None else initial - reserve_m_s,
+        )
+
     def spent_with_m_s(self, cargo_kg: float, most_kg: float) -> float:
         """ΔV missing from a full tank at the start, with cargo aboard [m/s]."""
         initial = self.initial_delta_v_m_s
@@ -242,6 +250,20 @@ class TankByMass(_OfTwoKinds):
     @model_serializer(mode="wrap")
     def _without_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return _without(write(self), "initial_propellant_kg")
+
+    def keeping(self, reserve_m_s: float) -> TankByMass:
+        """The tank without the propellant that gives a chaser without kits some ΔV [m/s].
+
+        That counts as dry mass, since it is never burnt.
+        """
+        kept_kg = self.dry_mass_kg * math.expm1(reserve_m_s / self.exhaust_m_s)
+        initial = self.initial_propellant_kg
+        return TankByMass(
+            dry_mass_kg=self.dry_mass_kg + kept_kg,
+            propellant_kg=self.propellant_kg - kept_kg,
+            isp_s=self.isp_s,
+            initial_propellant_kg=None if initial is None else initial - kept_kg,
+        )
 
     def first_kg(self, cargo_kg: float, most_kg: float) -> float:
         """Propellant at the start of a chaser of some mass at most; less than 0 if too heavy."""
@@ -330,6 +352,8 @@ class Chaser(Record):
     It takes along as many kits as its route leaves behind, ``kits`` at most; null for no limit.
     Before it refuels for the first time, and between two refuellings, it visits at most
     ``max_visits_between_refuels`` targets; the field is in no file that does not state it.
+    Of its tank it keeps ``end_of_life_m_s`` for its own disposal at all times; the field is in no
+    file that does not state it.
     ``expense`` counts where the objective says so; the field is in no file that does not state it.
     With ``thrust_n`` all its transfers are of low thrust (docs/model.md
     section 11), which is on for the share ``duty_cycle`` of the time at most; they stand in files
@@ -343,6 +367,7 @@ class Chaser(Record):
     max_targets: Count | None = None
     max_visits_between_refuels: Annotated[Count, Field(ge=1)] | None = None
     tank: AnyTank
+    end_of_life_m_s: Annotated[float, Field(gt=0.0, le=LARGEST_DELTA_V_M_S)] | None = None
     kits: Count | None = None
     kit_mass_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] = 0.0
     expense: Expense | None = None
@@ -357,7 +382,9 @@ class Chaser(Record):
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return without(
-            write(self), "max_visits_between_refuels", "expense", "thrust_n", "duty_cycle"
+            write(self),
+            *("max_visits_between_refuels", "end_of_life_m_s", "expense", "thrust_n"),
+            "duty_cycle",
         )
 
     @model_validator(mode="before")
@@ -429,9 +456,25 @@ class Chaser(Record):
         return self
 
     @model_validator(mode="after")
+    def _keeps_no_more_than_it_has(self) -> Self:
+        most = self.tank.delta_v_m_s - self.tank.spent_with_m_s(0.0, self.most_kg)
+        if self.end_of_life_m_s is not None and self.end_of_life_m_s >= most:
+            raise ValueError(
+                f"end_of_life_m_s = {self.end_of_life_m_s!r}: the tank has {most:g} m/s at the "
+                "start; keep less of it"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _ordered(self) -> Self:
         check_window("available_s", self.available_s)
         return self
+
+    @property
+    def usable(self) -> Tank | TankByMass:
+        """Its tank without what is kept for its own disposal: what a mission may take."""
+        kept_m_s = self.end_of_life_m_s
+        return self.tank if kept_m_s is None else self.tank.keeping(kept_m_s)
 
     @property
     def launch(self) -> Launch | None:
@@ -450,7 +493,7 @@ class Chaser(Record):
 
     def spent_with_m_s(self, cargo_kg: float) -> float:
         """ΔV missing from a full tank at the start, with cargo aboard [m/s]."""
-        return self.tank.spent_with_m_s(cargo_kg, self.most_kg)
+        return self.usable.spent_with_m_s(cargo_kg, self.most_kg)
 
     @property
     def spent_m_s(self) -> float:

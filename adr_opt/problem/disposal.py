@@ -6,7 +6,18 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Tag
 
+from ..common.constants import EARTH_RADIUS_M
 from ..common.records import Length, Record
+
+CONTROLLED_M = 60e3
+"""Highest perigee from which an object re-enters at once, where its burn was aimed: below it the
+air holds back any object within a revolution. Usual plans of controlled re-entry aim at 0 to 60 km
+(ESSB-HB-U-002, ESA space debris mitigation compliance verification guidelines)."""
+
+
+def comes_down_at_once(perigee_m: float) -> bool:
+    """Whether an object with a perigee radius re-enters in its first revolution [m]."""
+    return perigee_m <= EARTH_RADIUS_M + CONTROLLED_M
 
 
 class DisposalCircle(Record):

@@ -68,7 +68,7 @@ def drive_of(chaser: Chaser, targets: Sequence[Target]) -> Drive | None:
     """
     if chaser.thrust_n is None:
         return None
-    tank = chaser.tank
+    tank = chaser.usable
     assert isinstance(tank, TankByMass)
     kits = sum(target.service.takes_kit for target in targets)
     kits = kits if chaser.kits is None else min(kits, chaser.kits)

@@ -231,7 +231,7 @@ class InstanceFile(Record):
     @property
     def largest_tank_m_s(self) -> float:
         """Largest ΔV that a chaser has at once [m/s]."""
-        return max(chaser.tank.delta_v_m_s for chaser in self.chasers)
+        return max(chaser.usable.delta_v_m_s for chaser in self.chasers)
 
     @property
     def station_names(self) -> tuple[str, ...]:

@@ -331,6 +331,12 @@ RULES = {
     "lifetimes": Rule(
         ("mission.max_lifetime_years",), lambda i: i.mission.max_lifetime_years is not None
     ),
+    "controlled re-entry": Rule(
+        ("mission.max_uncontrolled_kg",), lambda i: i.mission.max_uncontrolled_kg is not None
+    ),
+    "end of life": Rule(
+        ("chasers[].end_of_life_m_s",), _chasers(lambda c: c.end_of_life_m_s is not None)
+    ),
     # What some follow each alone, and not together.
     "rules of tours beyond tours": Rule(
         ("transfer.max_leg_s", "mission.mission_separation_s"),
@@ -405,7 +411,7 @@ TOGETHER = frozenset(
 )
 """What planners follow each alone; judges follow them together as well."""
 
-RELEASES = frozenset({"disposal by perigee", "lifetimes"})
+RELEASES = frozenset({"disposal by perigee", "lifetimes", "controlled re-entry"})
 """What is asked of objects that are released."""
 
 MODELLED = frozenset({"free burns", "safety ellipse", "launches into orbits"})
@@ -419,7 +425,7 @@ JUDGED = (
     | RELEASES
     | MODELLED
     | {"functions of time", "functions of time for several chasers", "visits between refuellings"}
-    | {"capture windows"}
+    | {"capture windows", "end of life"}
 )
 """What both judges state once more, and all follow that make, hold, compare and show what planners
 are told and plan: a rule comes in here by hand, with its judges."""

@@ -13,6 +13,7 @@ from ..common.errors import InputError
 from ..common.records import (
     LARGEST_DELTA_V_M_S,
     LARGEST_DURATION_S,
+    LARGEST_MASS_KG,
     Length,
     Name,
     NonNegative,
@@ -82,6 +83,7 @@ NOT_WRITTEN = (
     "launch_separation_s",
     "mission_separation_s",
     "max_lifetime_years",
+    "max_uncontrolled_kg",
 )
 """Fields omitted from the file if None."""
 
@@ -99,8 +101,8 @@ class MissionSettings(Record):
     not in the file either, each by itself.
     With ``mission_separation_s`` each launch has a time of the plan's choice instead, in any order,
     and follows the last service of every chaser launched before it by no less than that.
-    Released objects stay in orbit for ``max_lifetime_years`` at most; no limit, and no such field,
-    where it is None.
+    Released objects stay in orbit for ``max_lifetime_years`` at most, and those of more than
+    ``max_uncontrolled_kg`` re-enter under control; no limit, and no such field, where it is None.
     """
 
     duration_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)]
@@ -111,6 +113,7 @@ class MissionSettings(Record):
     launch_separation_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
     mission_separation_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
     max_lifetime_years: Annotated[float, Field(gt=0.0, lt=1000.0)] | None = None
+    max_uncontrolled_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] | None = None
 
     @model_validator(mode="before")
     @classmethod

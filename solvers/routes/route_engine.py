@@ -80,7 +80,7 @@ class RouteEngine:
             prizes,
             np.array(
                 [
-                    each.chaser.tank.delta_v_m_s - each.chaser.spent_m_s - each.reserve_m_s
+                    each.chaser.usable.delta_v_m_s - each.chaser.spent_m_s - each.reserve_m_s
                     for each in missions
                 ]
             )

@@ -174,7 +174,7 @@ def serves(problem: Problem) -> bool:
     dearest = float(given.cost.max(initial=0.0))
     return all(
         (len(instance.targets) + 1) * dearest
-        <= mission.chaser.tank.delta_v_m_s - mission.chaser.spent_m_s - mission.reserve_m_s
+        <= mission.chaser.usable.delta_v_m_s - mission.chaser.spent_m_s - mission.reserve_m_s
         for mission in problem.missions
     )
 

@@ -134,12 +134,12 @@ class Campaign:
     def weighs(self) -> bool:
         """Whether the cost goes by mass."""
         by_expense = self.instance.objective.cost == "expense"
-        return by_expense and isinstance(self._mission.chaser.tank, TankByMass)
+        return by_expense and isinstance(self._mission.chaser.usable, TankByMass)
 
     def _expense(self) -> TourExpense:
         """Expense of a mission; where the cost is ΔV, one kilogram stands for 1 m/s."""
         chaser, most = self._mission.chaser, len(self.instance.chasers)
-        tank, kept = chaser.tank, 1.0 - self.problem.margin
+        tank, kept = chaser.usable, 1.0 - self.problem.margin
         if self.weighs:
             assert isinstance(tank, TankByMass)
             stated = chaser.priced

@@ -109,7 +109,7 @@ class LeastExpense:
         stay = _shortest_stay_s(problem)
         if step is None or stay < step:
             raise ValueError("cells are no longer than a stay: walks do one target in each")
-        tank = problem.missions[0].chaser.tank
+        tank = problem.missions[0].chaser.usable
         apart_s = problem.instance.mission.mission_separation_s
         since, until = problem.instance.available_s[0]
         last = min(problem.instance.mission.duration_s, math.inf if until is None else until)

@@ -169,9 +169,9 @@ class _Uses(NamedTuple):
 
 def _uses(mission: Mission, least_m_s: np.ndarray, ballast_kg: float) -> _Uses:
     loads, chaser, nothing = mission.rules.loads, mission.chaser, np.zeros_like(least_m_s)
-    if loads is None or not isinstance(chaser.tank, TankByMass):
+    if loads is None or not isinstance(chaser.usable, TankByMass):
         return _Uses(least_m_s, nothing, mission.rules.budget)
-    exhaust, dry = loads.exhaust, chaser.tank.dry_mass_kg
+    exhaust, dry = loads.exhaust, chaser.usable.dry_mass_kg
     kits_kg = chaser.kit_mass_kg * np.arange(loads.full.size)
     most = float(np.max((dry + kits_kg) * np.exp(loads.full / exhaust) - kits_kg))
 
@@ -190,22 +190,22 @@ def _backwards(mission: Mission, leg_m_s: np.ndarray) -> tuple[np.ndarray, np.nd
     """α and β [kg] of each body, with legs of some ΔV."""
     loads, chaser = mission.rules.loads, mission.chaser
     assert loads is not None
-    assert isinstance(chaser.tank, TankByMass)
+    assert isinstance(chaser.usable, TankByMass)
     tows, grows = loads.takes == 0, np.exp(leg_m_s / loads.exhaust)
     kept = np.where(tows, loads.scale[:, 0], 1.0)
-    lost_kg = np.where(tows, loads.loss[:, 0] * chaser.tank.dry_mass_kg, 0.0)
+    lost_kg = np.where(tows, loads.loss[:, 0] * chaser.usable.dry_mass_kg, 0.0)
     kit_kg = np.where(tows, 0.0, chaser.kit_mass_kg)
     return grows / kept, lost_kg / kept * grows + kit_kg * (grows - 1.0)
 
 
 def _ballasts(mission: Mission) -> tuple[float, ...]:
     """Ballasts that are tried [kg]: of the middle of all bodies, and much, among them."""
-    if mission.rules.loads is None or not isinstance(mission.chaser.tank, TankByMass):
+    if mission.rules.loads is None or not isinstance(mission.chaser.usable, TankByMass):
         return (0.0,)
     rise, more = _backwards(mission, np.minimum(floors(mission)[1], mission.rules.budget))
     level = (more / np.maximum(rise - 1.0, GUARD))[more > 0.0]
     some = np.quantile(level, (0.0, 0.5, 1.0)).tolist() if level.size else []
-    return (0.0, *some, MUCH * mission.chaser.tank.dry_mass_kg)
+    return (0.0, *some, MUCH * mission.chaser.usable.dry_mass_kg)
 
 
 def knapsack(sack: Sack) -> Priced:

@@ -79,7 +79,7 @@ def tariffs_of(mission: Mission) -> tuple[Tariff, ...]:
     if mission.instance.objective.cost != "expense":
         spent = mission.connecting.spent_m_s(mission.rules.start)
         return (Tariff(ones, -spent * ones, full),)
-    expense, tank = chaser.priced, chaser.tank
+    expense, tank = chaser.priced, chaser.usable
     if not expense.counts_mass or not isinstance(tank, TankByMass):
         return (Tariff(0.0 * ones, expense.fixed * ones, full),)
     kits_kg = chaser.kit_mass_kg * np.arange(full.size)
@@ -105,7 +105,7 @@ def _tangent(mission: Mission, carried_kg: float, most_kg: float, full: np.ndarr
     full : (kits + 1,) float64
         Full tanks [m/s].
     """
-    chaser, expense, tank = mission.chaser, mission.chaser.priced, mission.chaser.tank
+    chaser, expense, tank = mission.chaser, mission.chaser.priced, mission.chaser.usable
     assert isinstance(tank, TankByMass)
     exhaust, dry, kit = tank.exhaust_m_s, tank.dry_mass_kg, chaser.kit_mass_kg
     kits = np.arange(full.size)
@@ -130,7 +130,7 @@ def _tangent(mission: Mission, carried_kg: float, most_kg: float, full: np.ndarr
 
 def most_expense(mission: Mission) -> float:
     """Strict upper bound on the cost of any route."""
-    loads, chaser, tank = mission.rules.loads, mission.chaser, mission.chaser.tank
+    loads, chaser, tank = mission.rules.loads, mission.chaser, mission.chaser.usable
     carried = 0.0
     if isinstance(tank, TankByMass):
         kits = 0 if loads is None else loads.full.size - 1

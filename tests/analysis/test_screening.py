@@ -14,7 +14,13 @@ from serve_catalogue import catalogue
 
 import adr_opt
 import adr_opt.ui.plot
-from adr_opt.analysis.screening import CloseApproach, collision_probability, read_errors, screen
+from adr_opt.analysis.screening import (
+    CloseApproach,
+    avoiding,
+    collision_probability,
+    read_errors,
+    screen,
+)
 from adr_opt.analysis.screening.flown import FlownArc, flown_arcs
 from adr_opt.common.errors import InputError
 from adr_opt.plan.refined_plan import RefinedPlan
@@ -163,6 +169,59 @@ def test_bodies_that_are_visited_are_told_apart(
     assert legs
     assert {each.own for each in found} == {True, False}
     assert all(each.own == (each.leg in legs) for each in found)
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_plans_keep_clear_of_conjunctions(
+    refined: tuple[Instance, RefinedPlan], records: tuple[ElementSet, ...], beside: bool
+) -> None:
+    """What comes near a plan, in a transfer or beside a body, comes near no plan around it."""
+    instance, plan = refined
+    stays = ("service", "wait")
+    found = screen(instance, plan, records, distance_m=4.0 * DISTANCE_M)
+    there = [each for each in found if (each.phase in stays) == beside and each.time_s > 1e4]
+    near = min(there, key=lambda each: each.miss_m)
+    chosen = [record for record in records if record.label == near.object]
+    unsafe = avoiding(instance, chosen, avoid_m=near.miss_m + 1.0)
+    (conflict, *_) = unsafe(plan)
+    assert near.object in conflict.said
+    around = adr_opt.solve_refined(instance, "greedy", unsafe=unsafe)
+    assert around.holds
+    assert around.refined is not None
+    assert around.plan is not None
+    assert len(around.rounds) > 1
+    assert conflict.said in around.rounds[0].troubles
+    assert unsafe(around.refined) == ()
+    assert adr_opt.check(instance, around.plan) == ()
+
+
+def test_what_is_in_the_way_all_the_time_is_told(
+    refined: tuple[Instance, RefinedPlan], records: tuple[ElementSet, ...]
+) -> None:
+    """Where no plan keeps clear, the last conflicts are named; legs before them may remain."""
+    instance, _ = refined
+    unsafe = avoiding(instance, records, avoid_m=2e7)
+    found = adr_opt.solve_refined(instance, "greedy", unsafe=unsafe, rounds=2)
+    assert not found.holds
+    assert "passes" in found.reason
+
+
+def test_a_probability_is_avoided_as_well(
+    refined: tuple[Instance, RefinedPlan], records: tuple[ElementSet, ...], tmp_path: Path
+) -> None:
+    """An approach counts where its probability is too high, however far it is."""
+    instance, plan = refined
+    (tmp_path / "e.csv").write_text(ERRORS, encoding="utf-8")
+    errors = read_errors(tmp_path / "e.csv")
+    found = screen(instance, plan, records, distance_m=DISTANCE_M, errors=errors)
+    likely = [each for each in found if each.probability is not None and not each.own]
+    most = sorted(each.probability for each in likely)[len(likely) // 2]
+    half = {each.time_s for each in likely if each.probability >= most}
+    asked = {"avoid_m": 1.0, "most_probability": most, "within_m": DISTANCE_M}
+    unsafe = avoiding(instance, records, errors=errors, **asked)
+    assert {each.time_s for each in unsafe(plan)} == half
+    with pytest.raises(InputError, match="give them"):
+        avoiding(instance, records, most_probability=1e-4)
 
 
 def test_the_verb_writes_all_approaches(cli: Cli, refined: tuple[Instance, RefinedPlan]) -> None:

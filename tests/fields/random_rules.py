@@ -548,7 +548,10 @@ def towing_mission(seed: int) -> Instance:
 
 
 def disposing(instance: Instance, seed: int) -> Instance:
-    """The same with eccentric objects, some left by their perigee alone or for a time at most."""
+    """The same with eccentric objects, some left by their perigee alone, or for a time at most.
+
+    By turns heavy ones have to come down under control.
+    """
     rng, targets = np.random.default_rng([16, seed]), []
     least_m = EARTH_RADIUS_M + instance.transfer.min_altitude_m
     for target in instance.targets:
@@ -557,9 +560,12 @@ def disposing(instance: Instance, seed: int) -> Instance:
             e = min(float(rng.choice([1e-3, 5e-3, 0.02])), 1.0 - least_m / orbit.semi_major_axis_m)
             orbit = orbit.replace(eccentricity=max(0.9 * e, 0.0))
         own = {"perigee_m": float(rng.uniform(20e3, 600e3))} if rng.random() < 0.5 else None
+        if own and seed % 4 == 3:
+            own = {"perigee_m": 0.1 * own["perigee_m"]}
         targets.append(target.replace(orbit=orbit, disposal=own))
     years = float(rng.choice([0.3, 5.0])) if rng.random() < 0.3 else None
-    mission = instance.mission.replace(max_lifetime_years=years)
+    kg = float(rng.choice([0.0, 300.0])) if seed % 4 == 3 else None
+    mission = instance.mission.replace(max_lifetime_years=years, max_uncontrolled_kg=kg)
     name = f"{instance.name}-disposed-of"
     return instance.replace(name=name, targets=tuple(targets), mission=mission)
 
@@ -625,6 +631,33 @@ def visiting_campaign(seed: int) -> Instance:
 def visiting_hurried(seed: int) -> Instance:
     """A mission that policies play, with few visits between refuellings."""
     return visiting(hurried_mission(seed), seed)
+
+
+def reserving(instance: Instance, seed: int) -> Instance:
+    """The same with a part of each tank, or of some, kept for the chasers' own disposal."""
+    rng = np.random.default_rng([17, seed])
+    chasers = [
+        chaser.replace(end_of_life_m_s=float(rng.uniform(0.05, 0.6)) * (tank - spent))
+        if (at == 0 or rng.random() < 0.7) and tank > spent
+        else chaser
+        for at, chaser in enumerate(instance.chasers)
+        for tank, spent in ((chaser.tank.delta_v_m_s, chaser.spent_m_s),)
+    ]
+    return instance.replace(name=f"{instance.name}-reserving", chasers=tuple(chasers))
+
+
+def reserving_mission(seed: int) -> Instance:
+    """A mission of one chaser that keeps a reserve, by turns of each kind, and with tows."""
+    draws = random_mission, drifting_mission, given_mission, towing_mission, falling_mission
+    return reserving(draws[seed % 5](seed // 5), seed)
+
+
+def reserving_campaign(seed: int) -> Instance:
+    """A campaign whose chasers keep reserves, by turns with tows, kits, expenses and limits."""
+    drawn = (mixed_campaign, disposing_campaign, random_campaign)[seed % 3](seed // 3)
+    if seed % 4 == 1:
+        drawn = priced(carrying(drawn, seed), seed)
+    return reserving(limited(drawn, seed) if seed % 5 == 1 else drawn, seed)
 
 
 def captured(instance: Instance, seed: int) -> Instance:
@@ -766,6 +799,8 @@ DRAWS: dict[str, Callable[[int], Instance]] = {
     "captured field": captured_field,
     "captured": captured_mission,
     "captured campaign": captured_campaign,
+    "reserving": reserving_mission,
+    "reserving campaign": reserving_campaign,
     "free": free_mission,
     "full": full_mission,
     "launched": launched_mission,

@@ -145,28 +145,34 @@ def places_of(instance: Instance) -> tuple[Place, ...]:
 
 
 def tank_of(chaser: Chaser, margin: float, most_kits: int) -> Tank:
-    """The tank with what is kept back of it; what is lacking at the start is ΔV of a whole tank."""
-    tank, kit_kg = chaser.tank, chaser.kit_mass_kg
+    """The tank with what is kept back of it; what is lacking at the start is ΔV of a whole tank.
+
+    For its own disposal a chaser keeps ΔV, or the propellant that gives it that when it is empty.
+    """
+    tank, kit_kg, kept_m_s = chaser.tank, chaser.kit_mass_kg, chaser.end_of_life_m_s or 0.0
     full, at_start = [], []
     if not isinstance(tank, TankByMass):
-        usable = tank.delta_v_m_s * (1.0 - margin) + SLACK_M_S
+        usable = (tank.delta_v_m_s - kept_m_s) * (1.0 - margin) + SLACK_M_S
         initial = tank.delta_v_m_s if tank.initial_delta_v_m_s is None else tank.initial_delta_v_m_s
         each = most_kits + 1
         return Tank((usable,) * each, (usable - (tank.delta_v_m_s - initial),) * each)
     exhaust_m_s, propellant_kg = 9.80665 * tank.isp_s, tank.propellant_kg
     initial_kg = propellant_kg if tank.initial_propellant_kg is None else tank.initial_propellant_kg
+    dry_kg = tank.dry_mass_kg * math.exp(kept_m_s / exhaust_m_s)
+    kept_kg = dry_kg - tank.dry_mass_kg
+    propellant_kg, initial_kg = propellant_kg - kept_kg, initial_kg - kept_kg
     lifted_kg = math.inf
     if chaser.launch is not None and chaser.launch.launcher is not None:
         (low_m, low_kg), (high_m, high_kg) = chaser.launch.launcher
         share = (chaser.launch.altitude_m - low_m) / (high_m - low_m)
         lifted_kg = low_kg + share * (high_kg - low_kg)
     for kits in range(most_kits + 1):
-        empty_kg = tank.dry_mass_kg + kits * kit_kg
+        empty_kg = dry_kg + kits * kit_kg
         first_kg = min(initial_kg, lifted_kg - empty_kg)
         delta_v = exhaust_m_s * math.log((empty_kg + propellant_kg) / empty_kg)
         full.append(empty_kg * math.exp(delta_v * (1.0 - margin) / exhaust_m_s))
         at_start.append(full[-1] * (empty_kg + first_kg) / (empty_kg + propellant_kg))
-    return Tank(tuple(full), tuple(at_start), exhaust_m_s, tank.dry_mass_kg, kit_kg)
+    return Tank(tuple(full), tuple(at_start), exhaust_m_s, dry_kg, kit_kg)
 
 
 def world_of(mission: Mission) -> World:

@@ -89,6 +89,42 @@ def test_objects_that_would_stay_too_long_are_left_out(dynamics: str) -> None:
     assert broken == {n for n, leg in enumerate(whole.legs, start=1) if leg.tow is not None}
 
 
+def test_heavy_objects_come_down_under_control() -> None:
+    """Above the mass limit, or of unknown mass, an object is let go to re-enter at once or not."""
+    free = limited(None).with_limits(duration_s=2 * 86400.0)
+    heavy = max(target.mass_kg for target in free.targets if target.mass_kg is not None)
+
+    def planned(perigee_m: float | None, most_kg: float | None) -> tuple[Instance, adr_opt.Plan]:
+        disposal = {"circle_m": 450e3} if perigee_m is None else {"perigee_m": perigee_m}
+        mission = free.mission.replace(disposal=disposal, max_uncontrolled_kg=most_kg)
+        made = free.replace(mission=mission)
+        plan = adr_opt.solve(made, "greedy").plan
+        assert plan is not None
+        assert adr_opt.check(made, plan) == ()
+        return made, plan
+
+    def towed(plan: adr_opt.Plan) -> int:
+        return sum(leg.tow is not None for leg in plan.legs)
+
+    _, whole = planned(None, None)
+    assert towed(whole) > 0
+    assert planned(None, heavy)[1].legs == whole.legs
+    tight, fewer = planned(None, 0.99 * heavy)
+    assert towed(fewer) == 0
+    told = whole.replace(instance=whole.instance.replace(sha256=tight.sha256))
+    broken = {one.leg for one in adr_opt.check(tight, told) if one.rule == "uncontrolled"}
+    assert broken == {n for n, leg in enumerate(whole.legs, start=1) if leg.tow is not None}
+    assert towed(planned(50e3, 0.99 * heavy)[1]) > 0
+    assert towed(planned(70e3, 0.99 * heavy)[1]) == 0
+    unknown = free.targets[0].replace(removal="kit", mass_kg=None, disposal={"circle_m": 300e3})
+    made = free.replace(
+        targets=(unknown, *free.targets[1:]), mission=free.mission.replace(max_uncontrolled_kg=1e6)
+    )
+    plan = adr_opt.solve(made, "greedy").plan
+    assert plan is not None
+    assert unknown.name not in plan.destinations
+
+
 def test_a_kit_says_what_it_does() -> None:
     """A kit with an orbit of disposal is held to the limit by that, one without by nothing."""
     instance = field("j2")

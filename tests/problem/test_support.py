@@ -295,6 +295,7 @@ CLI_CALLS = {
     "rehearse": "plan.json --uncertainty uncertainty.json",
     "fly": "plan.json",
     "refine": "plan.json --out r.json",
+    "dispose": "plan.json",
     "matrix": "--at 0 --out m.npz",
     "export": "plan.json --out a.oem",
     "report": "plan.json --out a.html",

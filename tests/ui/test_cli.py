@@ -55,6 +55,7 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
         "fly",
         "refine",
         "screen",
+        "dispose",
         "matrix",
         "export",
         "report",

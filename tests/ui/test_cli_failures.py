@@ -39,6 +39,7 @@ WORK = {
     "fly": (["tiny.json", "plan.json"], READ),
     "refine": (["tiny.json", "plan.json", "--out", "r.json"], READ),
     "screen": (["tiny.json", "r.json", "cloud.tle"], READ),
+    "dispose": (["tiny.json", "plan.json"], READ),
     "matrix": (["tiny.json", "--at", "0", "--out", "m.npz"], READ),
     "export": (["tiny.json", "plan.json", "--format", "oem", "--out", "o.oem"], READ),
     "report": (["tiny.json", "plan.json", "--out", "r.html"], READ),

@@ -10,6 +10,7 @@ near enough is then found by bisection of the rate.
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -193,28 +194,51 @@ def screen(
     MissingExtra
         sgp4 or astropy is not installed.
     """
-    if not 0.0 < distance_m < math.inf:
-        raise InputError(f"distance_m = {distance_m:g}: must be a positive number of metres")
-    admitted = admit(instance, refined)
-    arcs = [arc for arc in flown_arcs(admitted.instance, admitted.plan) if arc.times_s.size > 1]
-    if not (arcs and records):
-        return ()
-    span_s = max(float(arc.times_s[-1]) for arc in arcs)
-    objects = _Objects(records, instance.epoch, span_s)
-    ids = {each.name: each.object_id for each in instance.stations}
-    ids |= {each.name: each.object_id for each in instance.targets}
-    found = [
-        _approach(instance, objects, arc, row, time_s, ids, errors or {})
-        for arc, row, time_s in _meetings(objects, arcs, distance_m)
-    ]
-    return tuple(sorted(found, key=lambda each: (each.time_s, each.object)))
+    return Screening(instance, records, distance_m, errors or {}).approaches(refined)
 
 
-def _meetings(
-    objects: _Objects, arcs: Iterable[FlownArc], distance_m: float
-) -> Iterator[tuple[FlownArc, int, float]]:
-    """Arcs, numbers of objects and times of least distances up to a limit."""
-    for arc in arcs:
+class Screening:
+    """Approaches to refined plans of one instance; arcs that were screened are remembered.
+
+    The parameters are those of :func:`screen`.
+    """
+
+    def __init__(
+        self,
+        instance: Instance,
+        records: Sequence[ElementSet],
+        distance_m: float,
+        errors: Mapping[str, PositionErrors],
+    ) -> None:
+        if not 0.0 < distance_m < math.inf:
+            raise InputError(f"distance_m = {distance_m:g}: must be a positive number of metres")
+        self._instance, self._distance_m, self._errors = instance, distance_m, errors
+        self._objects = _Objects(records, instance.epoch, instance.mission.duration_s)
+        self._known: dict[bytes, list[tuple[int, float]]] = {}
+
+    def approaches(self, refined: AnyRefined) -> tuple[CloseApproach, ...]:
+        """All approaches to a refined plan, by time."""
+        instance, objects, found = self._instance, self._objects, list[CloseApproach]()
+        ids = {each.name: each.object_id for each in instance.stations}
+        ids |= {each.name: each.object_id for each in instance.targets}
+        admitted = admit(instance, refined)
+        for arc in flown_arcs(admitted.instance, admitted.plan):
+            if arc.times_s.size < 2:
+                continue
+            content = arc.times_s.tobytes() + arc.states.tobytes()
+            key = hashlib.sha256(content).digest()
+            if key not in self._known:
+                self._known[key] = list(_meetings(objects, arc, self._distance_m))
+            found += [
+                _approach(instance, objects, arc, row, time_s, ids, self._errors)
+                for row, time_s in self._known[key]
+            ]
+        return tuple(sorted(found, key=lambda each: (each.time_s, each.object)))
+
+
+def _meetings(objects: _Objects, arc: FlownArc, distance_m: float) -> Iterator[tuple[int, float]]:
+    """Numbers of objects and times of least distances up to a limit."""
+    if objects.records:
         begin, end = float(arc.times_s[0]), float(arc.times_s[-1])
         pieces = max(1, math.ceil((end - begin) / DAY_S))
         cuts = np.linspace(begin, end, pieces + 1)
@@ -238,7 +262,7 @@ def _meetings(
                     # An end is a least distance only where an arc ends, or it is another piece's.
                     inner = (is_open[0] or time_s > first) and (is_open[1] or time_s < last)
                     if miss_m <= distance_m and inner:
-                        yield arc, row, time_s
+                        yield row, time_s
 
 
 def _possible(

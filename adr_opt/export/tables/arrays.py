@@ -46,7 +46,7 @@ def attributes(instance: Instance) -> dict[str, Any]:
         **{f"transfer_{key}": value for key, value in stated["transfer"].items()},
         **{f"given_{key}": value for key, value in given.items()},
         **{f"mission_{key}": value for key, value in stated["mission"].items()},
-        "mission_delta_v_m_s": instance.chaser.tank.delta_v_m_s,
+        "mission_delta_v_m_s": instance.chaser.usable.delta_v_m_s,
         "time_value_m_s_per_h": instance.time_value_m_s_per_h,
         "keep_out_zones_json": json.dumps(stated["keep_out_zones"]),
     }

@@ -262,7 +262,7 @@ def write_oplib(
     """
     instance = mission.instance
     is_duration = quantity == "duration"
-    limit = instance.mission.duration_s if is_duration else instance.chaser.tank.delta_v_m_s
+    limit = instance.mission.duration_s if is_duration else instance.chaser.usable.delta_v_m_s
     service = np.array(mission.rules.service) if is_duration else None
     if service is not None:
         service[STATION] = 0.0  # the cycle ends there
@@ -304,7 +304,7 @@ def write_vrp(
     if targets == 0:
         raise InputError(f"{instance.name!r} has no target: a .vrp file needs at least one")
     is_duration = quantity == "duration"
-    limit = instance.mission.duration_s if is_duration else instance.chaser.tank.delta_v_m_s
+    limit = instance.mission.duration_s if is_duration else instance.chaser.usable.delta_v_m_s
     weights = whole_weights(matrices, quantity, scale, limit)
     budget = math.floor(weights.scale * limit)
     vehicles = 1 if is_duration else targets

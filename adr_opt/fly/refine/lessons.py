@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from statistics import linear_regression
+from typing import NamedTuple
 
 from ...legs.corrections import Corrections, Key, Span
 from ...plan.leg_kinds import leg_kinds
 from ...plan.plan import Leg, Plan
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
+from ...plan.routes import routes_of
 from ...problem.instance import Instance
 from .all_legs import INTERRUPTED
 from .troubles import strayed
@@ -55,6 +57,24 @@ def _kept(tow: RefinedTow) -> float:
     """Share of the mass that the planned spiral leaves."""
     assert tow.thrust is not None
     return math.exp(-tow.planned_m_s / tow.thrust.exhaust_m_s)
+
+
+class Unsafe(NamedTuple):
+    """A time at which a refined plan must not be flown as it is.
+
+    Attributes
+    ----------
+    leg : int
+        By its number in the plan.
+    time_s : float
+        [s].
+    said : str
+        Why, as a part of a sentence.
+    """
+
+    leg: int
+    time_s: float
+    said: str
 
 
 Cost = tuple[float, float]
@@ -125,11 +145,36 @@ class Lessons:
                 stay = LONGER * had - takes
                 self._stays[one.destination] = max(stay, self._stays.get(one.destination, 0.0))
 
+    def avoid(self, plan: Plan, conflicts: Iterable[Unsafe]) -> bool:
+        """Bar what leads to conflicts; whether there was anything to bar.
+
+        In a transfer it is the connection: another phasing, or a later departure, is none. Beside a
+        body it is whatever leaves for it later and arrives there before the conflict.
+        """
+        before = dict(self._barred)
+        for one in conflicts:
+            (route,) = (
+                [leg for _, leg in flown.legs]
+                for flown in routes_of(self._instance, plan)
+                if one.leg in [number for number, _ in flown.legs]
+            )
+            begun = [leg for leg in route if leg.departure_s <= one.time_s]
+            if begun:
+                until_s = max(begun[-1].arrival_s, one.time_s)
+                self._bar(begun[-1], until_s)
+        return self._barred != before
+
+    def _bar(self, leg: Leg, until_s: float) -> None:
+        """Bar connections that leave no sooner than a leg and arrive by a time."""
+        key, span = self._key(leg), (leg.departure_s, until_s)
+        if span not in self._barred.get(key, ()):
+            self._barred[key] = (*self._barred.get(key, ()), span)
+
     def _lose(self, leg: Leg) -> None:
         """Record that no trajectory was found for a leg."""
         key = self._key(leg)
         if leg.traits.has_arcs:
-            self._barred[key] = (*self._barred.get(key, ()), (leg.departure_s, leg.arrival_s))
+            self._bar(leg, leg.arrival_s)
         else:
             self._legs.setdefault(key, set()).add((leg.delta_v_m_s, math.inf))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
@@ -26,7 +26,7 @@ from ...run.methods import BOUNDS, PLANNERS
 from ..flight.flyable import REFINED
 from ..flight.tanks import tanks_of
 from .all_legs import Wanted, refined_again
-from .lessons import Lessons
+from .lessons import Lessons, Unsafe
 from .reported import opened
 from .troubles import beginning, troubles
 
@@ -158,6 +158,7 @@ def solve_refined(  # noqa: PLR0913
     bound: str | None = None,
     margin: float = 0.0,
     told: Callable[[Round], None] = lambda one: None,
+    unsafe: Callable[[RefinedPlan], Sequence[Unsafe]] = lambda refined: (),
     options: dict[str, Any] | None = None,
     **arguments: Any,
 ) -> RefinedResult:
@@ -168,7 +169,8 @@ def solve_refined(  # noqa: PLR0913
     those of their pairs (:class:`.lessons.Lessons`), and the mission is planned again. Connections
     never cost less than the model says, so each plan is one of the instance; and each is another
     one, since one that broke a tank breaks it over the corrected connections. Rounds end with the
-    first plan that holds. A beginning of an earlier plan that holds is kept if it collects more.
+    first plan that holds. Where it is ``unsafe``, connections that lead there are barred, and the
+    mission is planned again. A beginning of an earlier plan that holds is kept if it collects more.
 
     Parameters
     ----------
@@ -195,6 +197,9 @@ def solve_refined(  # noqa: PLR0913
         Share of each tank that is kept back, of flown ΔV too.
     told : callable
         Hears of each round.
+    unsafe : callable
+        When a refined plan that holds must not be flown as it is, such as for the approach of
+        another object (:func:`adr_opt.analysis.screening.avoiding`).
     options : mapping, optional
         Options of the planner.
     **arguments
@@ -241,7 +246,9 @@ def solve_refined(  # noqa: PLR0913
         plan = result.plan
         admitted = admit_made(mission.instance, plan, excused=MODEL_TANK if spend_savings else ())
         refined = refined_again(admitted, refining, known)
-        wrong = troubles(kept_back, refined)
+        failing = troubles(kept_back, refined)
+        conflicts = () if failing else unsafe(refined)
+        wrong = (*failing, *(each.said for each in conflicts))
         history.append(
             Round(
                 len(history) + 1,
@@ -254,15 +261,19 @@ def solve_refined(  # noqa: PLR0913
             )
         )
         told(history[-1])
-        best.hear(beginning(kept_back, plan, refined) if wrong else (plan, refined))
+        barred = {each.leg for each in conflicts}
+        shorter = beginning(kept_back, plan, refined, barred) if wrong else (plan, refined)
+        best.hear(None if wrong and shorter and unsafe(shorter[1]) else shorter)
         done = not wrong and (len(history) > 1 or not spend_savings)
         if done:
             return _ended(mission, result, best, tuple(history), "")
-        if over() or len(history) == rounds:
+        stuck = bool(conflicts) and not lessons.avoid(plan, conflicts)
+        if over() or stuck or len(history) == rounds:
             why = "interrupted" if over() else f"not within {len(history)} rounds"
             reason = f"no plan held: {why}; the last one: {'; '.join(wrong)}" if wrong else ""
             return _ended(mission, result, best, tuple(history), reason, refined)
-        lessons.learn(plan, refined)
+        if failing or spend_savings:
+            lessons.learn(plan, refined)
 
 
 def sequences(problem: Problem, plan: Plan) -> tuple[tuple[int, ...], ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 from ...common.constants import EARTH_RADIUS_M
@@ -97,7 +97,7 @@ def _troubles(problem: Problem, refined: RefinedPlan) -> Iterator[str]:
 
 
 def beginning(
-    problem: Problem, plan: Plan, refined: RefinedPlan
+    problem: Problem, plan: Plan, refined: RefinedPlan, barred: Collection[int] = ()
 ) -> tuple[Plan, RefinedPlan] | None:
     """The longest beginning of each chaser's legs that holds and may end the mission.
 
@@ -107,6 +107,8 @@ def beginning(
     plan : Plan
     refined : RefinedPlan
         Of that plan.
+    barred : collection of int
+        Numbers of legs that must not be flown.
 
     Returns
     -------
@@ -114,7 +116,9 @@ def beginning(
         None if there is no such beginning with a leg.
     """
     instance = problem.instance
-    routes = [(flown, _holding(problem, flown, refined)) for flown in routes_of(instance, plan)]
+    routes = [
+        (flown, _holding(problem, flown, refined, barred)) for flown in routes_of(instance, plan)
+    ]
     legs = [leg for flown, count in routes for _, leg in flown.legs[:count]]
     done = {leg.destination for leg in legs}
     if not legs or any(target.required and target.name not in done for target in instance.targets):
@@ -179,12 +183,13 @@ def _towing(instance: Instance, refined: RefinedPlan, plan: Plan, leg: RefinedLe
     return leg.replace(tow=towed(instance, bodies, leg.destination, tow.burns))
 
 
-def _holding(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
+def _holding(problem: Problem, flown: Flown, refined: RefinedPlan, barred: Collection[int]) -> int:
     """Maximum number of a chaser's legs that hold such that it may end after them."""
     numbers = [number for number, _ in flown.legs]
     for count in range(len(numbers), 0, -1):
         first = numbers[:count]
         lost = any(missing.leg in first for missing in refined.missing)
+        lost = lost or not set(first).isdisjoint(barred)
         if lost or not _may_end(problem.instance, flown, count):
             continue
         kept = [leg for leg in refined.legs if leg.leg in first]

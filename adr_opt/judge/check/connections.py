@@ -25,7 +25,7 @@ from ...plan.plan import Burn, Leg, burns_of
 from ...problem.instance import Instance
 from .altitude import Heights
 from .leg import Physics, check_transfer
-from .lifetime import NEAR, outstays
+from .lifetime import CONTROLLED_M, NEAR, is_uncontrolled, outstays
 from .routes import begin_of, service_s
 from .sequences import ways_after
 from .tow import may_end_far
@@ -197,7 +197,10 @@ def _is_barred(instance: Instance, physics: Physics, way: Way, i: int, j: int) -
     heights, at_station, begins = Heights(instance), j < instance.first_target, way.arrival
     if not at_station:
         target = instance.targets[j - instance.first_target]
-        if outstays(instance, target, physics.towed.get(target.name), NEAR):
+        towed = physics.towed.get(target.name)
+        if outstays(instance, target, towed, NEAR):
+            return True
+        if is_uncontrolled(instance, target, towed, CONTROLLED_M):
             return True
         stay = service_s(instance, physics.elements[j], at_station)
         capture = stay if target.capture_s is None else target.capture_s

@@ -25,6 +25,9 @@ ANOMALIES = (np.arange(256) + 0.5) * (math.pi / 256)
 STEP, MOST_STEPS = 0.05, 20_000
 """Fall of the perigee in a step, in scale heights of the air, and the number of steps."""
 
+CONTROLLED_M, AIMED_M = 60e3, 1.0
+"""Highest perigee of an object that comes down at once, and what rounding adds to it [m]."""
+
 BEYOND, NEAR = 1.01, 0.95
 """Shares of the longest lifetime: above one an object outstays it, and below the other planners,
 whose closed form is up to a few per cent high, do not find that either."""
@@ -34,6 +37,8 @@ def check_lifetime(
     instance: Instance, number: int, target: Target | None, towed: Towed | None
 ) -> Iterator[Violation]:
     """Check that an object which is released at the end of a leg does not stay too long.
+
+    And that one which is too heavy for that does not come down anywhere.
 
     Parameters
     ----------
@@ -49,15 +54,37 @@ def check_lifetime(
             f"{target.name!r} is released where it stays in orbit longer than "
             f"{instance.mission.max_lifetime_years:g} years",
         )
+    if target is not None and is_uncontrolled(instance, target, towed, CONTROLLED_M + AIMED_M):
+        yield Violation(
+            number,
+            "uncontrolled",
+            f"{target.name!r} has more than {instance.mission.max_uncontrolled_kg:g} kg, or an "
+            f"unknown mass, and is released with its perigee above {CONTROLLED_M / 1e3:g} km",
+        )
+
+
+def is_uncontrolled(instance: Instance, target: Target, towed: Towed | None, most_m: float) -> bool:
+    """Whether an object that is too heavy for that is released with its perigee above a height."""
+    most_kg, apsides = instance.mission.max_uncontrolled_kg, _released_m(target, towed)
+    if most_kg is None or apsides is None:
+        return False
+    heavy = target.mass_kg is None or target.mass_kg > most_kg
+    return heavy and min(apsides) > EARTH_RADIUS_M + most_m
+
+
+def _released_m(target: Target, towed: Towed | None) -> tuple[float, float] | None:
+    """Radii of perigee and apogee that an object is left on, if it is [m]."""
+    if towed is not None:
+        return towed.released_m
+    is_stated = target.removal == "kit" and target.disposal is not None
+    return apsides_of(target) if is_stated else None
 
 
 def outstays(instance: Instance, target: Target, towed: Towed | None, share: float) -> bool:
     """Whether an object is released that stays longer than a share of the longest lifetime."""
-    most = instance.mission.max_lifetime_years
-    kit = target.removal == "kit" and target.disposal is not None
-    if most is None or (towed is None and not kit):
+    most, apsides = instance.mission.max_lifetime_years, _released_m(target, towed)
+    if most is None or apsides is None:
         return False
-    apsides = apsides_of(target) if towed is None else towed.released_m
     stated = target.area_to_mass_m2_kg
     area = ASSUMED_AREA_TO_MASS_M2_KG if stated is None else stated
     return lifetime_years(apsides, area, share * most) > share * most

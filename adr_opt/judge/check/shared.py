@@ -137,6 +137,9 @@ def _expense_of(instance: Instance, chaser: Chaser, legs: Sequence[Leg]) -> floa
             lifted *= docked * math.exp(back_m_s / exhaust_m_s)
         if leg.destination in stations:
             break
-    start_kg += lifted * (tank.dry_mass_kg + aboard * chaser.kit_mass_kg)
-    carried = start_kg - tank.dry_mass_kg
+    # What is kept for its own disposal is no part of what the mission takes.
+    kept_m_s = chaser.end_of_life_m_s or 0.0
+    empty_kg = tank.dry_mass_kg * math.exp(kept_m_s / (tank.isp_s * 9.80665))
+    start_kg += lifted * (empty_kg + aboard * chaser.kit_mass_kg)
+    carried = start_kg - empty_kg
     return stated.fixed + stated.per_kg * carried + stated.per_kg_squared * carried**2

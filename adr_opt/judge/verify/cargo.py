@@ -102,7 +102,7 @@ def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Car
     short = chaser.kits is not None and chaser.kits < takers < len(instance.targets)
     if not (heavy or short):
         takes[:], most = 0, 0
-    tank, kits_kg = chaser.tank, chaser.kit_mass_kg * np.arange(most + 1.0)
+    tank, kits_kg = chaser.usable, chaser.kit_mass_kg * np.arange(most + 1.0)
     full = np.array([tank.full_m_s(float(mass)) for mass in kits_kg]) + SLACK_M_S
     begun = full - [chaser.spent_with_m_s(float(mass)) for mass in kits_kg]
     share, lost = np.ones((takes.size, most + 1)), np.zeros((takes.size, most + 1))

@@ -166,7 +166,7 @@ def _share(instance: Instance, chaser: Chaser, ballast_kg: float) -> _Share:
         _least_s(instance, stays_s),
         (_used(instance, chaser, towed, ballast_kg, each) for each in (least_m_s, 0.0 * least_m_s)),
     )
-    tank, most_kg = chaser.tank, 0.0
+    tank, most_kg = chaser.usable, 0.0
     full = tank.delta_v_m_s + SLACK_M_S
     if isinstance(tank, TankByMass):
         most_kg = _most_kg(tank)
@@ -208,7 +208,7 @@ def _used(
     legs_m_s: FloatArray,
 ) -> FloatArray:
     """Least ΔV that services take, after legs of some ΔV; +inf beyond any tank [m/s]."""
-    tank = chaser.tank
+    tank = chaser.usable
     if not isinstance(tank, TankByMass):
         return legs_m_s.copy()
     most, used = _most_kg(tank), np.zeros_like(legs_m_s)

@@ -20,7 +20,7 @@ from ...kernels.core.windows import latest_arrival
 from ...kernels.legs.departure_events import Times
 from ...kernels.orbits.body_rows import launched
 from ...plan.after_tows import leaving_eccentricity_delta_v, leaving_orbits, pieced_of
-from ...plan.lifetimes import outliving
+from ...plan.lifetimes import unreleasable
 from ...plan.tows import RemovalFlight, any_from_apogee, removals_of
 from ...problem.drives import Drive
 from ...problem.instance import Instance
@@ -90,7 +90,7 @@ def altitude_limits(instance: Instance, drive: Drive | None) -> AltitudeLimits:
         arrive_by[body] = begin_by
         if begin_by < windows.closing[body]:  # waiting for a window takes time, too
             arrive_by[body] = latest_arrival(windows, body, begin_by)
-    arrive_by[list(outliving(instance, drive))] = -math.inf
+    arrive_by[list(unreleasable(instance, drive))] = -math.inf
     for array in (arrive_by, leave_by):
         array.setflags(write=False)
     return AltitudeLimits(arrive_by, leave_by)

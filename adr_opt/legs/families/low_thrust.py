@@ -245,7 +245,7 @@ def too_weak(instance: Instance) -> str | None:
             span = instance.transfer.drift_step_s
             while span < min(quickest, LARGEST_DURATION_S):
                 cost = low_thrust.delta_v(pair, thrust, begin, begin + span)
-                if cost <= chaser.tank.delta_v_m_s:
+                if cost <= chaser.usable.delta_v_m_s:
                     quickest, between = span, (names[start], names[j])
                     soonest = min(soonest, begin + span)
                     break

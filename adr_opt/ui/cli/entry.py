@@ -24,7 +24,7 @@ from .signals import INTERRUPTED, Aborted, interruptible
 
 _VERBS = """
 generate worth import windows solve bound check verify price compare tradeoff replan rehearse
-scenario fly refine screen matrix export report serve train methods warm-up doctor schema
+scenario fly refine screen dispose matrix export report serve train methods warm-up doctor schema
 """
 VERBS = tuple(_VERBS.split())
 

@@ -195,6 +195,10 @@ class Refining(NamedTuple):
     ephemerides: bool
     rounds: int | None
     spend_savings: bool
+    screen: tuple[str, ...]
+    avoid_m: float | None
+    avoid_probability: float | None
+    errors_path: str | None
 
     def check(self, instance_path: str, out: str | None) -> None:
         """Raise :class:`InputError` for options that exclude each other."""
@@ -207,10 +211,30 @@ class Refining(NamedTuple):
             ("--ephemerides", "" if self.ephemerides else None),
             ("--rounds", self.rounds),
             ("--spend-savings", "" if self.spend_savings else None),
+            ("--screen", self.screen[0] if self.screen else None),
         ):
             if value is not None and not self.refine:
                 raise InputError(f"{f'{name} {value}'.strip()}: nothing is refined; add --refine")
-        check_out(self.refined_out, instance_path, results=(out,))
+        for name, number in (
+            ("avoid", self.avoid_m),
+            ("avoid-probability", self.avoid_probability),
+        ):
+            if number is not None and not self.screen:
+                raise InputError(f"--{name} {number:g}: nothing is screened; add --screen FILE")
+        check_out(self.refined_out, instance_path, *self.screen, results=(out,))
+
+    def unsafe(self, instance: Instance) -> dict[str, Any]:
+        """What is avoided, as an argument of :func:`.solve_refined`; nothing by default."""
+        if not self.screen:
+            return {}
+        from ...analysis.screening import avoiding, read_errors
+        from ...sources import catalogue
+
+        stated = {"avoid_m": self.avoid_m, "most_probability": self.avoid_probability}
+        errors = None if self.errors_path is None else read_errors(self.errors_path)
+        known = {name: value for name, value in stated.items() if value is not None}
+        records = catalogue.read(self.screen).records
+        return {"unsafe": avoiding(instance, records, errors=errors, **known)}
 
 
 refine_options = param.together(
@@ -223,6 +247,12 @@ refine_options = param.together(
     param.flag(
         "--spend-savings", "With --refine, spend ΔV saved in flight; 'check' may refuse the plan."
     ),
+    param.many(
+        "--screen", "FILE", "Catalogue whose objects the refined plan avoids; repeatable.", "screen"
+    ),
+    param.number("--avoid", "M", "Miss up to which they are avoided; default 1000.", "avoid_m"),
+    param.number("--avoid-probability", "P", "Probability of collision from which they are."),
+    param.file("--errors", "CSV file of covariances and radii, for that.", "errors_path"),
 )
 """The options of refining, for ``solve``."""
 
@@ -248,6 +278,7 @@ def run_refined(
         ephemerides=refining.ephemerides,
         rounds=MOST_ROUNDS if refining.rounds is None else refining.rounds,
         spend_savings=refining.spend_savings,
+        **refining.unsafe(instance),
         told=(lambda one: None) if quiet else (lambda one: say(str(one))),
         progress=progress,
         building=progress.building,

@@ -523,6 +523,8 @@ def _rules_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
     if chaser.max_visits_between_refuels is not None:
         most = counted(chaser.max_visits_between_refuels, "target")
         yield f"{it} may service {most} between refuellings"
+    if chaser.end_of_life_m_s is not None:
+        yield f"{it} keeps {number(chaser.end_of_life_m_s)} m/s for its own disposal"
 
 
 def _prices(expense: Expense) -> str:

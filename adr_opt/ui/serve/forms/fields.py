@@ -75,6 +75,8 @@ WORDS = {
     "circle_m": FieldWords("Altitude of the circle"),
     "perigee_m": FieldWords("Altitude of the perigee", "the apogee stays"),
     "max_lifetime_years": FieldWords("Longest lifetime", "of released objects, in orbit"),
+    "max_uncontrolled_kg": FieldWords("Controlled re-entry above", "kg of a released object"),
+    "end_of_life_m_s": FieldWords("Kept for its disposal", "m/s, never burnt on the mission"),
     "area_to_mass_m2_kg": FieldWords("Area over mass", "m²/kg, for the lifetime once released"),
     "launch_separation_s": FieldWords("Time between launches", "the least, in their order"),
     "mission_separation_s": FieldWords(
