@@ -66,7 +66,7 @@ class InOrbit(Record):
         return without(write(self), "decay_m_per_day")
 
 
-class Launch(Record):
+class InsertionOrbit(Record):
     """A circle that a launcher reaches at any time, in the plane of any node.
 
     ``launcher`` says what it lifts there: altitudes [m], ascending, and masses of a chaser with
@@ -116,7 +116,7 @@ class Launch(Record):
 class LaunchedInto(Record):
     """Start by a launch into an orbit, with the node of the first target at that time."""
 
-    launch: Launch
+    launch: InsertionOrbit
 
     @property
     def orbit(self) -> Orbit:
@@ -477,7 +477,7 @@ class Chaser(Record):
         return self.tank if kept_m_s is None else self.tank.keeping(kept_m_s)
 
     @property
-    def launch(self) -> Launch | None:
+    def launch(self) -> InsertionOrbit | None:
         """The launch into an orbit that it starts with; None for any other start."""
         return self.start.launch if isinstance(self.start, LaunchedInto) else None
 

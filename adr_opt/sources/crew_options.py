@@ -210,7 +210,7 @@ class CrewOptions(NamedTuple):
         from pydantic import ValidationError
 
         from ..common.sentences import sentence
-        from ..problem.chasers import Launch, LaunchedInto
+        from ..problem.chasers import InsertionOrbit, LaunchedInto
 
         if self.launch_into is None:
             if self.launcher is not None:
@@ -228,7 +228,9 @@ class CrewOptions(NamedTuple):
             ) from None
         launch: dict[str, Any] = {"altitude_m": 1e3 * altitude_km, "inclination_deg": inclination}
         try:
-            return LaunchedInto(launch=Launch(**launch | ({"launcher": lifts} if lifts else {})))
+            return LaunchedInto(
+                launch=InsertionOrbit(**launch | ({"launcher": lifts} if lifts else {}))
+            )
         except ValidationError as error:
             raise InputError(f"--launch-into {self.launch_into!r}: {sentence(error)}") from None
 

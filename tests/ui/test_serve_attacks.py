@@ -153,7 +153,7 @@ def test_an_upload_is_limited_before_it_is_read(at: At, monkeypatch: pytest.Monk
 @pytest.mark.parametrize(
     ("verb", "options", "named"),
     [
-        ("export", {}, "not offered"),
+        ("serve", {}, "not offered"),
         ("serve", {}, "not offered"),
         ("bound --out", {}, "not offered"),
         ("bound", {"method": "--certificate=/tmp/x"}, "must be one of"),

@@ -61,7 +61,8 @@ function show() {
 
 // Why the last run has no plan, or failed after its best one so far; empty if it did not.
 function headline(phase, { said }, state) {
-  if (phase === "done" && state && !state.plan) return sentence(said);
+  // The state of a run may come before its last words, which are then those of the run before it.
+  if (phase === "done" && state && !state.plan && said.startsWith("no plan")) return sentence(said);
   if (phase !== "failed") return "";
   const left = state?.plan ? "its best plan so far is shown" : "there is no plan of this run";
   return `${sentence(said)} Planning failed; ${left}.`;
