@@ -154,7 +154,6 @@ def test_an_upload_is_limited_before_it_is_read(at: At, monkeypatch: pytest.Monk
     ("verb", "options", "named"),
     [
         ("serve", {}, "not offered"),
-        ("serve", {}, "not offered"),
         ("bound --out", {}, "not offered"),
         ("bound", {"method": "--certificate=/tmp/x"}, "must be one of"),
         ("bound", {"method": "exact\n--out"}, "must be one of"),
