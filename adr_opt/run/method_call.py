@@ -129,7 +129,7 @@ class Prepared:
     ) -> Result:
         """The result of a method that ran out of time, or that of :data:`FALLBACK` if better."""
         fallback = spec(FALLBACK)
-        if not support.follows_all(problem.instance, fallback.follows):
+        if not fallback.quick or not support.follows_all(problem.instance, fallback.follows):
             return result
         routes = named(fallback.quick)(problem)
         # Certifying takes longer than planning, and most methods began from these routes.

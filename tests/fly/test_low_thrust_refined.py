@@ -199,7 +199,7 @@ def test_lost_legs_bar_those_within_their_times() -> None:
     key = first.origin, first.destination, first.kind
     assert lessons.corrections.barred_s == {key: ((first.departure_s, first.arrival_s),)}
     assert not lessons.corrections.stays_s
-    assert "no transfer within the times of 1 leg" in str(lessons.corrections)
+    assert "no transfer within 1 time when none can be flown" in str(lessons.corrections)
     finder = ConnectionFinder(instance)
     i, j = (instance.names.index(name) for name in key[:2])
     every, some = (one.found(i, j) for one in (finder, finder.corrected(lessons.corrections)))

@@ -18,7 +18,7 @@ import solvers
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.instance_file import InstanceFile
 
-NULL_IS_ZERO = {"decay_m_per_day"}
+NULL_IS_ZERO = {"decay_m_per_day", "end_of_life_m_s"}
 """Fields that mean the same by null and by 0."""
 
 CHECKED_BEFORE = {"mass_kg", "disposal"}

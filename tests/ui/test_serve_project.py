@@ -212,7 +212,7 @@ def test_forms_have_all_fields_and_words_for_them() -> None:
     fields = {(field["part"], field["path"]): field for field in form_fields()}
     assert fields["chasers", "tank.isp_s"]["unit"] == "s"
     assert fields["chasers", "tank.isp_s"]["of"] == ["tank", "mass"]
-    assert fields["chasers", "start"]["choices"] == ["anywhere", "station", "orbit"]
+    assert fields["chasers", "start"]["choices"] == ["anywhere", "station", "orbit", "launch"]
     disposal = fields["mission", "disposal"]
     assert (disposal["choices"], disposal["optional"]) == (["circle_m", "perigee_m"], True)
     assert fields["mission", "disposal.circle_m"]["of"] == ["disposal", "circle_m"]

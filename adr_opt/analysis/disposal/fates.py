@@ -140,7 +140,8 @@ def fates(
     """
     admitted = admit(instance, plan)
     instance, mission = admitted.instance, admitted.instance.mission
-    years = mission.max_lifetime_years or YEARS if years is None else years
+    if years is None:
+        years = YEARS if mission.max_lifetime_years is None else mission.max_lifetime_years
     if most_uncontrolled_kg is None:
         most_uncontrolled_kg = mission.max_uncontrolled_kg
     for what, value in (("years", years), ("kit_isp_s", kit_isp_s)):

@@ -34,10 +34,11 @@ UNITS = (
 
 WORDS = {
     "name": FieldWords("Name"),
-    "start": FieldWords("Start", "at a station, in an orbit of its own, or launched anywhere"),
+    "start": FieldWords("Start", "at a station, in an orbit of its own, or launched"),
     "end": FieldWords("End", "anywhere, or at a station"),
     "station": FieldWords("Station", "its name"),
     "orbit": FieldWords("Orbit"),
+    "altitude_m": FieldWords("Altitude of the orbit launched into"),
     "semi_major_axis_m": FieldWords("Semi-major axis", "from the centre of the Earth"),
     "eccentricity": FieldWords("Eccentricity"),
     "inclination_deg": FieldWords("Inclination"),
@@ -116,7 +117,7 @@ WORDS = {
 VARIANTS = {"Tank": "delta-v", "TankByMass": "mass"}
 """What forms call the kinds of a field, where not after its only name."""
 
-NOT_EDITED = {"given", "decay_m_per_day"}
+NOT_EDITED = {"given", "decay_m_per_day", "launcher"}
 """Fields that no form shows: they refer to files, or come from fits."""
 
 
@@ -133,6 +134,7 @@ SHOWN = {
     "service_s": MINUTES,
     "departure_spacing_s": MINUTES,
     "semi_major_axis_m": KILOMETRES,
+    "altitude_m": KILOMETRES,
     "circle_m": KILOMETRES,
     "perigee_m": KILOMETRES,
     "min_altitude_m": KILOMETRES,

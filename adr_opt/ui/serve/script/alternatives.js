@@ -41,6 +41,9 @@ function first(path, value, element, instance) {
   if (value in DISPOSAL) return { [value]: DISPOSAL[value] };
   const orbit = instance.stations.find((station) => station.orbit)?.orbit
     ?? instance.chasers.find(({ start }) => start?.orbit)?.start.orbit ?? {};
+  if (value === "launch") {
+    return { launch: { altitude_m: 500000, inclination_deg: orbit.inclination_deg ?? 98 } };
+  }
   if (value === "station") return { station: instance.stations[0]?.name ?? "" };
   if (value === "orbit") return { orbit: structuredClone(orbit) };
   return path === "orbit" ? structuredClone(orbit) : {};

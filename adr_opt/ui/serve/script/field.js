@@ -3,7 +3,7 @@ import { made, text } from "./dom.js";
 
 // Values of choices in words, where they are none.
 const WORDS = {
-  "delta-v": "ΔV", mass: "mass", station: "at a station", orbit: "own orbit", given: "stated",
+  "delta-v": "ΔV", mass: "mass", station: "at a station", orbit: "own orbit", launch: "launched into an orbit", anywhere: "anywhere", given: "stated",
   circle_m: "circle", perigee_m: "perigee",
 };
 
