@@ -91,7 +91,7 @@ def planned(tab: Browser, url: str) -> None:
     put(tab, "#limit", LIMIT_S)
     click(tab, "plan")
     tab.wait_for("document.documentElement.dataset.phase === 'done'", 300.0)
-    on_page(tab, "reported", 1, 300.0)
+    on_page(tab, "reported", 1)
     tab.evaluate("document.getElementById('said').textContent = ''")
     time.sleep(15.0)  # the report is a page of its own, and draws in its own time
 
