@@ -292,7 +292,15 @@ def captures(seeds: str, limit: float = 60.0) -> None:
 
     Fields of `nominal` in light and contact, and the table of a campaign of two years in light.
     """
-    head("field", "windows a target", "proof, processor s", "the same in windows", "ratio", "plans")
+    head(
+        "field",
+        "windows a target",
+        "proof, processor s",
+        "the same in windows",
+        "ratio",
+        "plan",
+        "in windows",
+    )
     adr_opt.solve(captured(adr_opt.generate("tiny", 0), *SEEN_BY), "exact", time_limit=60.0)
     ratios, proven = [], 0
     for seed in seeds_of(seeds):
