@@ -99,7 +99,7 @@ def test_schedules_are_the_best_there_are(draw, seeds):
         flown += len(order)
         kinds |= {leg.kind for leg in result.plan.legs}
     assert flown > 10
-    assert kinds == KINDS[draw]
+    assert kinds >= KINDS[draw]
 
 
 @every_kind_and_tows
