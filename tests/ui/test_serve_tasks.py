@@ -102,6 +102,7 @@ class Newcomer:
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
 @pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+@pytest.mark.slow
 def test_a_newcomer_finds_the_way(tmp_path: Path) -> None:
     """Six tasks, each in five clicks: plan, require, compare, refine, trade off and export."""
     drawn().save(tmp_path / "my.json")
@@ -120,12 +121,15 @@ def test_a_newcomer_finds_the_way(tmp_path: Path) -> None:
         )
         with somebody.task("require what cannot be had, and see why"):
             somebody.click(f'[aria-label="Require {names[0]}"]')
+            tab.wait_for("document.getElementById('counts').textContent.includes('1 required')")
             somebody.click("#plan")
             tab.wait_for("!document.getElementById('failed').hidden")
             assert text(tab, "failed").lower().startswith("no plan")
             somebody.click("#undo")
+            tab.wait_for("document.getElementById('counts').textContent.includes('0 required')")
         with somebody.task("compare without one object"):
             somebody.click(f'[aria-label="Exclude {visited[0]}"]')
+            tab.wait_for("document.getElementById('counts').textContent.includes('1 excluded')")
             somebody.click("#plan")
             on_page(tab, "results", 2)
             somebody.click("#to-results")
