@@ -18,6 +18,7 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2, STANDARD_GRAVITY_M_S2
 from ...common.errors import InputError
 from ...fly.trajectory.bodies import after_burns, body_states
 from ...judge.admit import AnyPlan, admit
+from ...kernels.legs.burns import half_ellipse_speeds
 from ...plan.lifetimes import ASSUMED_AREA_TO_MASS_M2_KG, MOST_YEARS, shells_of
 from ...plan.plan import Leg
 from ...plan.routes import Flown, routes_of
@@ -162,7 +163,8 @@ def fates(
 class _Left:
     """Something on the orbit that it is left on, before its last burn.
 
-    ``before`` is the state at that burn, ``burn`` nothing where none is needed.
+    ``before`` is the state at that burn, ``burn`` nothing where none is needed, and ``more_m_s``
+    what a second one takes, on to a circle.
     """
 
     perigee_m: float
@@ -170,6 +172,7 @@ class _Left:
     burn_s: float
     before: Array
     burn: Array
+    more_m_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -194,7 +197,8 @@ class _Rules:
             delta_v = leg.removal_m_s
             propellant: float | None = aboard.removal_kg
             if leg.tow is None:
-                delta_v, propellant = float(np.linalg.norm(left.burn)), None
+                delta_v = float(np.linalg.norm(left.burn)) + left.more_m_s
+                propellant = None
                 if target.mass_kg is not None:
                     exhaust_m_s = STANDARD_GRAVITY_M_S2 * self.kit_isp_s
                     moved_kg = target.mass_kg + route.chaser.kit_mass_kg
@@ -226,19 +230,11 @@ class _Rules:
         if tow is not None:  # a spiral, which ends on a circle
             return _Left(*shell, leg.done_s, state, np.zeros(3))
         wait_s, at_apogee = to_apogee(state)
-        burn = lowering(at_apogee, shell[0])
+        burn, more_m_s = lowering(at_apogee, shell[0]), 0.0
         if target.disposal is not None and not isinstance(target.disposal, DisposalPerigee):
-            burn *= 1.0 + self._circling(at_apogee, shell[0]) / max(
-                float(np.linalg.norm(burn)), 1e-9
-            )
-        return _Left(*shell, leg.end_s + wait_s, at_apogee, burn)
-
-    @staticmethod
-    def _circling(state: Array, circle_m: float) -> float:
-        """ΔV of the second burn, on to a circle [m/s]."""
-        high = float(np.linalg.norm(state[:3]))
-        fast = math.sqrt(2.0 * MU_M3_S2 * high / (circle_m * (circle_m + high)))
-        return abs(fast - math.sqrt(MU_M3_S2 / circle_m))
+            _, arrives_m_s = half_ellipse_speeds(float(np.linalg.norm(at_apogee[:3])), shell[0])
+            more_m_s = abs(arrives_m_s - math.sqrt(MU_M3_S2 / shell[0]))
+        return _Left(*shell, leg.end_s + wait_s, at_apogee, burn, more_m_s)
 
     def _beside(self, name: str, time_s: float) -> Array:
         positions, velocities = body_states(self.instance, name, time_s, true_orbits=True)
@@ -321,8 +317,9 @@ class _Rules:
         lasting = {activity: _years(apsides, used, activity) for activity in ACTIVITIES}
         normal = np.cross(left.before[:3], left.before[3:])
         tilt = math.degrees(math.acos(normal[2] / np.linalg.norm(normal)))
-        controlled = comes_down_at_once(left.perigee_m) and bool(left.burn.any())
-        aimed = reentry(self.instance, left.burn_s, left.before, left.burn) if controlled else None
+        aimed = None
+        if comes_down_at_once(left.perigee_m) and left.burn.any():
+            aimed = reentry(self.instance, left.burn_s, left.before, left.burn)
         controlled = aimed is not None
         struck = None if mass_kg is None else casualty_area_m2(mass_kg, self.debris)
         hit = None if struck is None else self._casualties(struck, tilt, aimed)

@@ -11,9 +11,9 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.legs.burns import half_ellipse_speeds
 from ...kernels.orbits.coast import coast
 from ...kernels.orbits.gravity import FIELDS
+from ...problem.ground import above, upward
 from ...problem.instance import Instance
 from ...problem.sun import greenwich
-from ..windows.stations import EQUATOR_M, FLATTENING
 from .casualties import Array
 
 ENTRY_M = 120e3
@@ -144,17 +144,9 @@ def _track(instance: Instance, burn_s: float, before: Array, burn: Array) -> Arr
 def _below(instance: Instance, time_s: float, position: Array) -> Array:
     """A row of the track: above the ellipsoid of WGS 84."""
     angle, rate = greenwich(instance)
-    across, squared = math.hypot(position[0], position[1]), FLATTENING * (2.0 - FLATTENING)
-    latitude = math.atan2(position[2], across * (1.0 - squared))
-    for _ in range(3):  # the normal of the ellipsoid is not the line to the centre
-        sine = math.sin(latitude)
-        root = math.sqrt(1.0 - squared * sine * sine)
-        height = across * math.cos(latitude) + position[2] * sine - EQUATOR_M * root
-        normal = EQUATOR_M / root
-        latitude = math.atan2(position[2], across * (1.0 - squared * normal / (normal + height)))
-    longitude = math.atan2(position[1], position[0]) - angle - rate * time_s
-    longitude = (math.degrees(longitude) + 180.0) % 360.0 - 180.0
-    return np.array([time_s, math.degrees(latitude), longitude, height])
+    latitude, height = above(position)
+    longitude = math.degrees(math.atan2(position[1], position[0]) - angle - rate * time_s)
+    return np.array([time_s, latitude, (longitude + 180.0) % 360.0 - 180.0, height])
 
 
 def _entry(track: Array) -> tuple[float, float, float] | None:
@@ -176,7 +168,7 @@ def _entry(track: Array) -> tuple[float, float, float] | None:
 
 def _beside(track: Array, side_m: float) -> tuple[tuple[float, float], ...]:
     """Places at a distance to the right of a track, on a sphere."""
-    up = _unit(track[:, 1], track[:, 2])
+    up = upward(track[:, 1], track[:, 2])
     ahead = np.gradient(up, axis=0)
     right = np.cross(ahead, up)
     right /= np.linalg.norm(right, axis=1)[:, None]
@@ -185,12 +177,3 @@ def _beside(track: Array, side_m: float) -> tuple[tuple[float, float], ...]:
     latitudes = np.degrees(np.arcsin(np.clip(place[:, 2], -1.0, 1.0)))
     longitudes = np.degrees(np.arctan2(place[:, 1], place[:, 0]))
     return tuple(zip(latitudes.tolist(), longitudes.tolist(), strict=True))
-
-
-def _unit(latitudes_deg: Array, longitudes_deg: Array) -> Array:
-    latitude, longitude = np.radians(latitudes_deg), np.radians(longitudes_deg)
-    across = np.cos(latitude)
-    found: Array = np.stack(
-        [across * np.cos(longitude), across * np.sin(longitude), np.sin(latitude)], axis=1
-    )
-    return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from dataclasses import dataclass
 
@@ -10,13 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
+from ...problem.ground import place, upward
 from ...sources.csv_table import named_numbers
 
 COLUMNS = ("name", "latitude_deg", "longitude_deg", "altitude_m")
 """Columns of a file of ground stations."""
-
-EQUATOR_M, FLATTENING = 6_378_137.0, 1.0 / 298.257223563
-"""The ellipsoid of WGS 84."""
 
 
 @dataclass(frozen=True)
@@ -53,18 +50,8 @@ class GroundStation:
 
     def place(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Position in axes that turn with the Earth [m], and the direction of the zenith."""
-        latitude, longitude = math.radians(self.latitude_deg), math.radians(self.longitude_deg)
-        up = np.array(
-            [
-                math.cos(latitude) * math.cos(longitude),
-                math.cos(latitude) * math.sin(longitude),
-                math.sin(latitude),
-            ]
-        )
-        squared = FLATTENING * (2.0 - FLATTENING)
-        across = EQUATOR_M / math.sqrt(1.0 - squared * up[2] ** 2)
-        stretched = np.array([across, across, across * (1.0 - squared)])
-        return up * (stretched + self.altitude_m), up
+        up = upward(self.latitude_deg, self.longitude_deg)
+        return place(self.latitude_deg, self.longitude_deg, self.altitude_m), up
 
 
 STATIONS = {

@@ -109,6 +109,47 @@ def with_stair(places, costs, size, low, place, cost):
     return size + shift
 
 
+@inlined
+def kept_least(keys, items, kept, key, item):
+    """Put an item among the least ones so far, in ascending order; returns their number.
+
+    As many as there is room for are kept; of equal keys the earlier one stays before.
+    """
+    if kept == keys.size and not key < keys[kept - 1]:
+        return kept
+    kept = min(kept + 1, keys.size)
+    at = kept - 1
+    while at > 0 and keys[at - 1] > key:
+        keys[at], items[at] = keys[at - 1], items[at - 1]
+        at -= 1
+    keys[at], items[at] = key, item
+    return kept
+
+
+@kernel
+def nearest(points, body, is_asked, is_first, found):
+    """Write the bodies nearest to one, the first ones before all; returns their number.
+
+    Parameters
+    ----------
+    points : (bodies, axes) float64
+    body : int
+    is_asked, is_first : (bodies,) bool
+        Which are looked at, and which stand before all others.
+    found : (most,) int64
+        Written.
+    """
+    away, kept = np.empty(found.size), 0
+    for j in range(len(points)):
+        if not is_asked[j]:
+            continue
+        total = -np.inf if is_first[j] else 0.0
+        for axis in range(points.shape[1]):
+            total += (points[j, axis] - points[body, axis]) ** 2
+        kept = kept_least(away, found, kept, total, j)
+    return kept
+
+
 @kernel
 def rising(numbers, size):
     """Order of the first ``size`` numbers, ascending; stable for equal ones.

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.compile import inlined, kernel
+from ..core.lists import kept_least
 from ..core.memory import borrowed
 from .choices import (
     ANGLE_FROM_CHASER,
@@ -142,14 +143,7 @@ def _tokens(rows, keys, token):
             continue
         key = (row[COST] + EQUAL * row[ANGLE_FROM_CHASER]) * (1.0 - is_station)
         key = np.float32(key + LAST * (3.0 - row[LEGAL] - row[IS_OPEN] - is_there))
-        if kept == TOKENS and not key < keys[kept - 1]:
-            continue
-        kept = min(kept + 1, TOKENS)
-        at = kept - 1
-        while at > 0 and keys[at - 1] > key:
-            keys[at], token[at] = keys[at - 1], token[at - 1]
-            at -= 1
-        keys[at], token[at] = key, choice
+        kept = kept_least(keys, token, kept, key, choice)
     return kept
 
 

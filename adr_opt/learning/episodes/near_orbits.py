@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
-from ...kernels.core.compile import kernel
+from ...kernels.core.lists import nearest
 from ...kernels.episodes.choices import NEAREST
 from ...kernels.orbits.ephemeris import planes_drift
 from ...legs.nearest_pairs import PERIODS, places_of
@@ -14,29 +14,6 @@ from ...problem.instance import Instance
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
-
-
-@kernel
-def _nearest(points, body, is_asked, is_first, found):
-    """Write the bodies nearest to one, the first ones before all; returns their number."""
-    away, kept = np.empty(found.size), 0
-    for j in range(len(points)):
-        if not is_asked[j]:
-            continue
-        total = 0.0
-        for axis in range(points.shape[1]):
-            total += (points[j, axis] - points[body, axis]) ** 2
-        if is_first[j]:
-            total -= np.inf
-        if kept == found.size and not total < away[kept - 1]:
-            continue
-        kept = min(kept + 1, found.size)
-        at = kept - 1
-        while at > 0 and away[at - 1] > total:
-            away[at], found[at] = away[at - 1], found[at - 1]
-            at -= 1
-        away[at], found[at] = total, j
-    return kept
 
 
 class OrbitPlaces:
@@ -70,7 +47,7 @@ class OrbitPlaces:
     ) -> IntArray:
         """At most so many of the bodies asked for, the nearest to one, ``first`` before all."""
         found = np.empty(count, dtype=np.int64)
-        return found[: _nearest(self.points, int(body), asked, first, found)]
+        return found[: nearest(self.points, int(body), asked, first, found)]
 
     def neighbours_of(self, bodies: IntArray) -> IntArray:
         """Nearest targets of some bodies, themselves left out, the nearest first."""

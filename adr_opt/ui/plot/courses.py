@@ -59,17 +59,10 @@ def earth(ax: Any) -> Any:
     latitude, longitude = np.meshgrid(
         np.linspace(-np.pi / 2, np.pi / 2, 19), np.linspace(0.0, 2.0 * np.pi, 37), indexing="ij"
     )
-    ax.plot_surface(*on_earth(latitude, longitude), color="#9db4c8", alpha=0.5, linewidth=0)
+    x, y = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude)
+    sphere = EARTH_RADIUS_M / KM_M * np.stack([x, y, np.sin(latitude)])
+    ax.plot_surface(*sphere, color="#9db4c8", alpha=0.5, linewidth=0)
     return drawn_in_space(ax, ())
-
-
-def on_earth(latitude_rad: Array, longitude_rad: Array) -> Array:
-    """Points on a spherical Earth [km], as three coordinates."""
-    x, y = (
-        np.cos(latitude_rad) * np.cos(longitude_rad),
-        np.cos(latitude_rad) * np.sin(longitude_rad),
-    )
-    return EARTH_RADIUS_M / KM_M * np.stack([x, y, np.sin(latitude_rad)])
 
 
 def orbits(ax: Any, instance: Instance) -> Any:
@@ -90,32 +83,6 @@ def rings_of(instance: Instance, title: str, names: list[str], colour: str, widt
 def in_km(points_m: Array) -> Array:
     """Points in km, shape (3, points)."""
     return points_m.reshape(-1, 3).T / KM_M
-
-
-def path_lines(
-    instance: Instance, plan: Plan, tracks: tuple[DrawnArc, ...], width: float, *, by_chaser: bool
-) -> list[Line]:
-    """Flown arcs in space [km], at most one revolution of each.
-
-    Parameters
-    ----------
-    instance : Instance
-    plan : Plan
-    tracks : tuple of DrawnArc
-    width : float
-        Of the lines [points].
-    by_chaser : bool
-        Whether colours are those of chasers, not of phases.
-    """
-    return strands(
-        instance,
-        plan,
-        tracks,
-        lambda track: in_km(track.around_m).T,
-        width,
-        by_chaser=by_chaser,
-        in_space=True,
-    )
 
 
 def _check_three(ax: Any) -> None:
@@ -188,4 +155,8 @@ def path(ax: Any, instance: Instance, plan: Plan) -> Any:
         The plan belongs to another instance or cannot be flown.
     """
     found = arcs_of(instance, plan)
-    return drawn_in_space(ax, path_lines(instance, plan, found, 1.1, by_chaser=False))
+
+    def course(track: DrawnArc) -> Array:
+        return in_km(track.around_m).T
+
+    return drawn_in_space(ax, strands(instance, plan, found, course, 1.1, by_chaser=False))

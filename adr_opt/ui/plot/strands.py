@@ -73,7 +73,6 @@ def strands(
     width: float,
     *,
     by_chaser: bool,
-    in_space: bool = False,
 ) -> list[Line]:
     """A line for each phase, in its colour, ``width`` px wide.
 
@@ -85,8 +84,7 @@ def strands(
     whose, gap = owners(instance, plan), (np.nan,)
     entries, lines = [], []
     for name, colour in chaser_colours(instance).items():
-        height = gap if in_space else None
-        entry = Line(name=name, colour=colour, width=3, in_legend=True, x=gap, y=gap, z=height)
+        entry = Line(name=name, colour=colour, width=3, in_legend=True, x=gap, y=gap)
         entries.append(entry)
         mine = tuple(arc for arc in arcs if whose[arc.leg] == name)
         lines += [

@@ -72,8 +72,6 @@ def trace(one: Series, chart: Chart) -> dict[str, Any]:
     else:
         made |= {"type": "bar", "textposition": "none"}
         made["marker"] = {"color": one.colour, "line": NO_LINE}
-    if one.z is not None:
-        made |= {"type": "scatter3d", "z": column(one.z, chart.y.digits)}
     if isinstance(one, Bars):
         made |= {"orientation": "h", "base": x, "x": column(one.lengths, chart.x.digits)}
         made["width"] = one.share
