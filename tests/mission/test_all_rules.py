@@ -74,6 +74,9 @@ KINDS = {
 }
 """Of the legs of their plans."""
 
+RARE = {captured_mission: {"launch"}}
+"""Which are not drawn at the gate."""
+
 
 @cache
 def enumerated(draw, seed):
@@ -99,7 +102,7 @@ def test_schedules_are_the_best_there_are(draw, seeds):
         flown += len(order)
         kinds |= {leg.kind for leg in result.plan.legs}
     assert flown > 10
-    assert kinds >= KINDS[draw]
+    assert KINDS[draw] <= kinds <= KINDS[draw] | RARE.get(draw, set())
 
 
 @every_kind_and_tows

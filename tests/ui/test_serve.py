@@ -71,7 +71,7 @@ def let_in(desk: EditingSession, **more: Any) -> Any:
     return client
 
 
-CHANGES = "edit undo redo plan stop upload worth choose jobs/stop show files/remove"
+CHANGES = "edit undo redo plan stop sample upload worth choose jobs/stop show files/remove"
 POSTS = [f"/{name}" for name in CHANGES.split()]
 """Addresses that nothing is got from."""
 
@@ -80,7 +80,8 @@ def test_without_the_token_nothing_is_answered(desk: EditingSession) -> None:
     """Every address, with no token or a wrong one, in the query or in the cookie: 403."""
     client = let_in(desk)
     client.cookies.clear()
-    gets = "choices state events report other objects forms jobs results results/page export"
+    gets = "choices state events report other objects forms jobs results results/page "
+    gets += "results/file export"
     for wrong in ("", "?token=", "?token=A-token", "?token=é", "?tokens=a-token"):
         for path in map("/{}".format, ["", "page.css", "page.js", "results/points", *gets.split()]):
             assert client.get(path + wrong).status_code == 403, path + wrong

@@ -207,6 +207,8 @@ def test_no_address_reads_another_file(at: At) -> None:
     client = at.client
     for number in ("", "0", "1", "-1", "1e0", "../1", "٣", "%2e%2e", "1" * 400, "0001-solve"):
         assert client.get("/results/page", params={"id": number}).status_code == 404, number
+        asked = {"id": number, "name": "plan.json"}
+        assert client.get("/results/file", params=asked).status_code == 404, number
     for path in (
         "/script/../app.py",
         "/script/%2e%2e/app.py",
@@ -235,6 +237,12 @@ def test_no_address_reads_another_file(at: At) -> None:
     )
     for part in parts:
         at.post("/edit", {"part": part}, 422)
+    plan = adr_opt.solve(hand_made(), "greedy").plan
+    assert plan is not None
+    made = at.session.results.keep_plan("solve", "a plan", hand_made(), plan)
+    for name, status in (("plan.json", 200), ("result.json", 404), ("../../draft.json", 404)):
+        asked = {"id": str(made.number), "name": name}
+        assert client.get("/results/file", params=asked).status_code == status, name
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs links")
