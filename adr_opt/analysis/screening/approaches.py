@@ -213,18 +213,23 @@ class Screening:
         if not 0.0 < distance_m < math.inf:
             raise InputError(f"distance_m = {distance_m:g}: must be a positive number of metres")
         self._instance, self._distance_m, self._errors = instance, distance_m, errors
-        self._objects = _Objects(records, instance.epoch, instance.mission.duration_s)
+        self._records, self._span_s = records, instance.mission.duration_s
+        self._objects = _Objects(records, instance.epoch, self._span_s)
         self._known: dict[bytes, list[tuple[int, float]]] = {}
 
     def approaches(self, refined: AnyRefined) -> tuple[CloseApproach, ...]:
         """All approaches to a refined plan, by time."""
-        instance, objects, found = self._instance, self._objects, list[CloseApproach]()
+        instance, found = self._instance, list[CloseApproach]()
         ids = {each.name: each.object_id for each in instance.stations}
         ids |= {each.name: each.object_id for each in instance.targets}
         admitted = admit(instance, refined)
-        for arc in flown_arcs(admitted.instance, admitted.plan):
-            if arc.times_s.size < 2:
-                continue
+        arcs = [arc for arc in flown_arcs(admitted.instance, admitted.plan) if arc.times_s.size > 1]
+        ends_s = max((float(arc.times_s[-1]) for arc in arcs), default=0.0)
+        if ends_s > self._span_s:  # objects are known to be within their shells up to there alone
+            self._span_s = ends_s
+            self._objects = _Objects(self._records, instance.epoch, ends_s)
+        objects = self._objects
+        for arc in arcs:
             content = arc.times_s.tobytes() + arc.states.tobytes()
             key = hashlib.sha256(content).digest()
             if key not in self._known:
