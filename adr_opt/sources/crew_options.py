@@ -219,13 +219,15 @@ class CrewOptions(NamedTuple):
         said = [] if self.launcher is None else self.launcher.split(",")
         try:
             altitude_km, inclination = map(float, self.launch_into.split(","))
+        except ValueError:
+            raise InputError(
+                f"--launch-into {self.launch_into!r}: give ALTITUDE_KM,INCLINATION"
+            ) from None
+        try:
             rows = [map(float, row.split("=")) for row in said]
             lifts = [(1e3 * km, kg) for km, kg in rows]
         except ValueError:
-            raise InputError(
-                f"--launch-into {self.launch_into!r}, --launcher {self.launcher!r}: give "
-                "ALTITUDE_KM,INCLINATION and KM=KG,KM=KG…"
-            ) from None
+            raise InputError(f"--launcher {self.launcher!r}: give KM=KG,KM=KG…") from None
         launch: dict[str, Any] = {"altitude_m": 1e3 * altitude_km, "inclination_deg": inclination}
         try:
             return LaunchedInto(

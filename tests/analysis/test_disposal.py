@@ -209,3 +209,18 @@ def test_the_verb_writes_a_report(cli: Cli) -> None:
     assert refused.status == 2
     with pytest.raises(InputError, match="kit_isp_s"):
         fates(instance, plan, kit_isp_s=-1.0)
+
+
+@pytest.mark.parametrize(
+    ("stated", "said"),
+    [
+        ({"piece_kg": 0.0}, "piece_kg = 0: must be a positive number"),
+        ({"piece_m2": -1.0}, "piece_m2 = -1: must be a positive number"),
+        ({"survives": 2.0}, "survives = 2: must be a share from 0 to 1"),
+        ({"fails": math.nan}, "fails = nan: must be a share from 0 to 1"),
+    ],
+)
+def test_what_cannot_be_assumed_is_refused(stated: dict[str, float], said: str) -> None:
+    """Shares lie between 0 and 1, and pieces are something."""
+    with pytest.raises(InputError, match=said):
+        Debris(**stated)

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import EARTH_RADIUS_M
+from ...common.errors import InputError
 
 Array = npt.NDArray[np.float64]
 
@@ -48,12 +49,25 @@ class Debris:
         Mass and cross-section of each piece.
     fails : float
         Chance that a controlled re-entry fails, and the object comes down anywhere.
+
+    Raises
+    ------
+    InputError
+        A share is not between 0 and 1, or a piece is nothing.
     """
 
     survives: float = 0.094
     piece_kg: float = 20.5
     piece_m2: float = 0.105
     fails: float = 0.1
+
+    def __post_init__(self) -> None:
+        for name in ("survives", "fails"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InputError(f"{name} = {getattr(self, name):g}: must be a share from 0 to 1")
+        for name in ("piece_kg", "piece_m2"):
+            if not 0.0 < getattr(self, name) < math.inf:
+                raise InputError(f"{name} = {getattr(self, name):g}: must be a positive number")
 
 
 def casualty_area_m2(mass_kg: float, debris: Debris) -> float:

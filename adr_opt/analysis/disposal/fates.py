@@ -136,7 +136,7 @@ def fates(
     Raises
     ------
     InputError
-        The plan is none of the instance or has violations, a number is not positive, or orbits are
+        The plan is none of the instance or has violations, a number is out of range, or orbits are
         not known.
     """
     admitted = admit(instance, plan)
@@ -148,6 +148,10 @@ def fates(
     for what, value in (("years", years), ("kit_isp_s", kit_isp_s)):
         if not 0.0 < value < math.inf:
             raise InputError(f"{what} = {value:g}: must be a positive number")
+    if most_uncontrolled_kg is not None and not most_uncontrolled_kg >= 0.0:
+        raise InputError(
+            f"most_uncontrolled_kg = {most_uncontrolled_kg:g}: must be a mass of at least 0"
+        )
     if not instance.has_orbits or instance.given is not None:
         raise InputError(f"{instance.name!r} has given connections: its orbits are not known")
     judge = _Rules(instance, years, most_uncontrolled_kg, debris or Debris(), kit_isp_s)

@@ -9,7 +9,7 @@ import click
 from ...common.wording import counted
 from . import param
 from .output import emit_json, emit_rich, say, say_written
-from .parameters import about, admitted_plan, check_outs
+from .parameters import admitted_plan, check_outs
 
 if TYPE_CHECKING:
     from ...analysis.disposal import Fate
@@ -67,15 +67,14 @@ def command(
     stated = {"survives": survives, "piece_kg": piece_kg, "piece_m2": piece_m2, "fails": fails}
     debris = Debris(**{name: value for name, value in stated.items() if value is not None})
     admitted = admitted_plan(instance_path, plan_path)
-    with about(plan_path):
-        found = fates(
-            admitted.instance,
-            admitted,
-            years=years,
-            most_uncontrolled_kg=most_uncontrolled_kg,
-            debris=debris,
-            kit_isp_s=kit_isp_s,
-        )
+    found = fates(
+        admitted.instance,
+        admitted,
+        years=years,
+        most_uncontrolled_kg=most_uncontrolled_kg,
+        debris=debris,
+        kit_isp_s=kit_isp_s,
+    )
     told = {
         "instance": admitted.instance.name,
         "debris": vars(debris),
