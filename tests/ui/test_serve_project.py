@@ -22,7 +22,7 @@ from adr_opt.problem.settings import TransferSettings
 from adr_opt.ui.cli.entry import command
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.forms.fields import form_fields
+from adr_opt.ui.serve.forms.fields import SELDOM, SHOWN, form_fields
 from adr_opt.ui.serve.jobs.verbs import VERBS
 from adr_opt.ui.serve.objects.import_options import OPTIONS
 from adr_opt.ui.serve.project.record import KEPT_VERBS, ProjectRecord, ResultRecord
@@ -219,6 +219,12 @@ def test_forms_have_all_fields_and_words_for_them() -> None:
     assert fields["mission", "duration_s"]["most"] == 100 * 365.25 * 86400.0
     assert fields["objective", "cost"]["choices"] == ["delta-v", "duration", "expense"]
     assert all(field["label"] for field in fields.values())
+    assert (fields["mission", "duration_s"]["unit"], fields["mission", "duration_s"]["by"]) == (
+        "d",
+        86400.0,
+    )
+    names = {path.rpartition(".")[2] for _, path in fields}
+    assert names >= SELDOM | SHOWN.keys()
     known = {path.rpartition(".")[2] for part, path in fields if part == "transfer"}
     assert known == set(TransferSettings.model_fields) - {"given"}
 
