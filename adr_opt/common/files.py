@@ -108,18 +108,25 @@ def to_text(content: dict[str, Any]) -> str:
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
+_write = json.JSONEncoder(ensure_ascii=False).encode
+
+
 def _item(item: Any) -> str:
     """A list item as text: on one line, except for lists of objects within it."""
-    if not isinstance(item, dict):
-        return json.dumps(item, ensure_ascii=False)
+    if not isinstance(item, dict) or not any(_is_of_objects(value) for value in item.values()):
+        return _write(item)
     parts = []
     for key, value in item.items():
-        text = json.dumps(value, ensure_ascii=False)
-        if isinstance(value, list) and value and isinstance(value[0], dict):
-            lines = ",\n".join("   " + json.dumps(inner, ensure_ascii=False) for inner in value)
+        text = _write(value)
+        if _is_of_objects(value):
+            lines = ",\n".join("   " + _write(inner) for inner in value)
             text = f"[\n{lines}\n  ]"
         parts.append(f"{json.dumps(key)}: {text}")
     return "{" + ", ".join(parts) + "}"
+
+
+def _is_of_objects(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:

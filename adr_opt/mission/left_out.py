@@ -54,7 +54,7 @@ class _Limits:
     def __init__(self, mission: Mission, moves: tuple[int, ...]) -> None:
         self._mission, self._moves = mission, moves
         self._schedules = mission.schedules.by_class.unpriced
-        self._known: dict[tuple[bool, bool, bool], Relaxed | None] = {}
+        self._known: dict[tuple[bool, bool], Relaxed | None] = {}
 
     def before(self, j: int) -> Reason:
         """What stands before a target."""
@@ -86,15 +86,16 @@ class _Limits:
     ) -> bool:
         """Whether a larger tank, more time or more targets make moves possible."""
         larger = tank or (time and not self._mission.connecting.depends_on_tank)
-        key = larger, time, counts
+        key = larger, time
         if key not in self._known:
             mission = self._mission
             longer_s = LONGEST * mission.instance.mission.duration_s if time else None
             try:
                 chaser = with_tank(mission.chaser, LARGEST) if larger else mission.chaser
-                made = Relaxed(mission, chaser, longer_s, windows=not time, counts=counts)
+                made = Relaxed(mission, chaser, longer_s, windows=not time)
             except InputError:  # motion that is known for the time of the mission alone
                 made = None
             self._known[key] = made
         relaxed = self._known[key]
-        return relaxed is not None and relaxed.front(more, LARGEST if tank else 1.0) is not None
+        scale = LARGEST if tank else 1.0
+        return relaxed is not None and relaxed.front(more, scale, counts=counts) is not None

@@ -57,20 +57,12 @@ class Relaxed:
         Of the mission and of the availability of the chaser; None for what they are.
     windows : bool
         Whether targets keep their windows.
-    counts : bool
-        Whether the chaser has as many kits as it has, and services as many targets as it may.
     """
 
     def __init__(
-        self,
-        mission: Mission,
-        chaser: Chaser,
-        duration_s: float | None,
-        *,
-        windows: bool = True,
-        counts: bool = True,
+        self, mission: Mission, chaser: Chaser, duration_s: float | None, *, windows: bool = True
     ) -> None:
-        self._mission, self._counts = mission, counts
+        self._mission = mission
         instance, number = mission.instance, mission.instance.chasers.index(mission.chaser)
         if duration_s is not None:
             duration_s = min(duration_s, LARGEST_DURATION_S)
@@ -88,13 +80,13 @@ class Relaxed:
             cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
             made = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
         self._schedules = made.unpriced
-        self._by_scale: dict[float, Scheduler] = {}
+        self._by_limits: dict[tuple[float, bool], Scheduler] = {}
 
-    def _under(self, scale: float) -> Rules:
-        """The rules with a scaled tank."""
+    def _under(self, scale: float, counts: bool) -> Rules:
+        """The rules with a scaled tank, and without limits on kits and targets."""
         mission = self._mission
         chaser = with_tank(mission.chaser, scale)
-        if not self._counts:
+        if not counts:
             chaser = chaser.replace(kits=None, max_targets=None)
         loads = loads_of(mission.instance, chaser, mission.margin)
         budget = (1.0 - mission.margin) * chaser.usable.delta_v_m_s + SLACK_M_S
@@ -102,11 +94,16 @@ class Relaxed:
             budget = most_left_m_s(loads)
         return self._rules._replace(budget=budget, loads=loads)
 
-    def front(self, moves: Moves, scale: float) -> Front | None:
-        """Labels at the end of an order, whose moves keep to its rules; None if it takes more."""
-        if scale not in self._by_scale:
-            self._by_scale[scale] = self._schedules.under(self._under(scale))
-        fronts = self._by_scale[scale].fronts(moves)
+    def front(self, moves: Moves, scale: float, *, counts: bool = True) -> Front | None:
+        """Labels at the end of an order, whose moves keep to its rules; None if it takes more.
+
+        ``counts`` tells whether the chaser has as many kits as it has, and services as many targets
+        as it may.
+        """
+        key = scale, counts
+        if key not in self._by_limits:
+            self._by_limits[key] = self._schedules.under(self._under(scale, counts))
+        fronts = self._by_limits[key].fronts(moves)
         return fronts[-1] if len(fronts) > len(moves) else None
 
     def least_end(self, moves: Moves, scale: float) -> float | None:

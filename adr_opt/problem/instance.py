@@ -239,7 +239,9 @@ class Instance(Shown, InstanceFile):
         for target in self.targets:
             opens_s = self.intervals_of(target)[:1, 0].tolist()  # of none in a file: at any time
             window = (*opens_s, 0.0)[0], None
-            opened.append(target.replace(window_s=window, windows_s=None, capture_s=None))
+            closes = (target.window_s, target.windows_s, target.capture_s) != (window, None, None)
+            free = {"window_s": window, "windows_s": None, "capture_s": None}
+            opened.append(target.replace(**free) if closes else target)
         return self.replace(targets=tuple(opened), windows=None)
 
     @property

@@ -21,8 +21,18 @@ from ..mission.result import Result, noted, proven_of
 from ..plan.plane_drift import drift_warning
 from ..problem.instance import Instance
 from ..problem.least_time import too_short
+from ..problem.support import follows_all
 from . import by_masses
-from .method_call import is_tour, method_of, prepare, refuse_unable, spec_of, warm_up
+from .method_call import (
+    FALLBACK,
+    Prepared,
+    is_tour,
+    method_of,
+    prepare,
+    refuse_unable,
+    spec_of,
+    warm_up,
+)
 from .method_spec import named
 from .methods import BOUNDS, PLANNERS
 from .run_options import (
@@ -35,7 +45,7 @@ from .run_options import (
 )
 from .side_by_side import together
 from .start_plan import start_destinations
-from .table_budget import candidates, may_go_without, no_table
+from .table_budget import ask_for_rows, candidates, may_go_without, may_work_on_demand, no_table
 
 __all__ = [
     "DEFAULT_BOUND",
@@ -303,6 +313,8 @@ def _run(
     if known.begins and start is None and not (bare or whole.has_timetable):
         begun = _begun(whole, named(known.begins), wanted.seed, AnyOf(*criteria), progress)
         bare = begun is not None and bound is None and wanted.time_limit < SHORT_S
+    elif group == PLANNERS and start is None and not (bare or prepared.on_demand):
+        prepared, destinations = _at_once(whole, prepared, wanted.time_limit, progress)
     # Some methods look at all pairs by themselves: what they prove is proven of all.
     of_all = known.bounds_all_pairs
     hasty = of_all and group == BOUNDS and whole.alone is not None
@@ -317,7 +329,7 @@ def _run(
             building=building,
             table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
             hasty=hasty,
-            on_demand=prepared.on_demand,
+            on_demand=prepared.on_demand or prepared.hurried,
         )
     )
     progress(-math.inf, math.inf)
@@ -327,6 +339,9 @@ def _run(
         prepared = prepared.beginning_from(whole, destinations, repair)
     elif begun is not None:
         prepared = replace(prepared, arguments={**prepared.arguments, "start": begun})
+    elif prepared.begun and known.starts:
+        begins = prepared.beginning_from(whole, destinations, repair=True)
+        prepared = replace(prepared, arguments=begins.arguments)
     if bound is None or prover is None or not chosen.all:
         planned = prepared(whole, AnyOf(*criteria, *limits[:1]), progress)
         return _beyond_the_model(whole, chosen.of_the_whole(planned, of_all=of_all))
@@ -347,6 +362,29 @@ def _begun(
     finally:
         problem.forget_tables()
     return found
+
+
+def _at_once(
+    problem: Problem, prepared: Prepared, limit_s: float, progress: Progress
+) -> tuple[Prepared, tuple[tuple[str, ...], ...]]:
+    """A call that begins from routes found before a large timetable, and their bodies.
+
+    Where there is no time for the timetable there are no other routes.
+    """
+    quick = spec_of(FALLBACK)
+    none: tuple[tuple[str, ...], ...] = tuple(() for _ in problem.missions)
+    if not (may_work_on_demand(problem) and follows_all(problem.instance, quick.follows)):
+        return prepared, none
+    if limit_s < SHORT_S:
+        return replace(prepared, hurried=True), none
+    ask_for_rows(problem)
+    try:
+        routes: Routes = named(quick.quick)(problem)
+    finally:
+        problem.forget_tables()
+    progress(problem.shown(problem.collected(chain.from_iterable(routes))), math.inf)
+    names = tuple(tuple(problem.names[j] for j in route) for route in routes)
+    return replace(prepared, begun=routes), names
 
 
 def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:

@@ -14,7 +14,7 @@ from ..common.stop import Stop
 from ..common.wording import counted
 from ..mission.build_legs import ON_PRICES
 from ..mission.certified import certify_routes
-from ..mission.problem import Problem
+from ..mission.problem import Problem, Routes
 from ..mission.result import Result, noted
 from ..problem import support
 from ..problem.instance import Instance
@@ -75,6 +75,10 @@ class Prepared:
         What a reader of the result has to know; added to it.
     plans : bool
         Whether a plan is what it is asked for.
+    begun : sequence of sequences of int, optional
+        Routes of :data:`FALLBACK` from before there was a timetable.
+    hurried : bool
+        Whether there is time for these alone.
     """
 
     spec: MethodSpec
@@ -82,6 +86,8 @@ class Prepared:
     arguments: Mapping[str, Any]
     notes: tuple[str, ...] = ()
     plans: bool = True
+    begun: Routes | None = None
+    hurried: bool = False
 
     @property
     def method(self) -> str:
@@ -95,11 +101,16 @@ class Prepared:
 
     def __call__(self, problem: Problem, stop: Stop, progress: Progress = silent) -> Result:
         """Run the method."""
-        given, told = given_to(problem, self.spec), _shown(problem, progress)
-        result = self.function(given, stop=_Shown(problem, stop), progress=told, **self.arguments)
-        _check_result(self.method, result)
+        if self.hurried:
+            result = Result(self.method, seed=self.arguments["seed"])
+        else:
+            given, told = given_to(problem, self.spec), _shown(problem, progress)
+            asked = _Shown(problem, stop)
+            result = self.function(given, stop=asked, progress=told, **self.arguments)
+            _check_result(self.method, result)
         late = stop.remaining_s() <= 0.0 and not is_tour(problem, self.spec)
         late = late and not problem.missions[0].has_functions
+        late = late or self.hurried or self.begun is not None
         if self.plans and self.method not in (PUBLISHED, FALLBACK) and late:
             result = self._at_least_the_fallback(problem, result, progress)
         return noted(result, self.notes)
@@ -131,11 +142,12 @@ class Prepared:
         fallback = spec(FALLBACK)
         if not fallback.quick or not support.follows_all(problem.instance, fallback.follows):
             return result
-        routes = named(fallback.quick)(problem)
+        routes = self.begun or named(fallback.quick)(problem)
         # Certifying takes longer than planning, and most methods began from these routes.
         if problem.shown(problem.collected(chain.from_iterable(routes))) <= result.objective:
             return result
         said = [note for note in result.notes if note not in ON_PRICES]  # certify says it again
+        why = "found no better plan" if self.begun and not self.hurried else "ran out of time"
         made = certify_routes(
             problem,
             self.method,
@@ -145,7 +157,7 @@ class Prepared:
             upper_bound=problem.worth(result.upper_bound),
             evidence=result.evidence,
             counters=result.counters,
-            notes=[*said, f"{self.method} ran out of time: the plan is that of {FALLBACK}"],
+            notes=[*said, f"{self.method} {why}: the plan is that of {FALLBACK}"],
         )
         if made.objective <= result.objective:
             return result

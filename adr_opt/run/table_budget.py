@@ -169,6 +169,12 @@ def may_work_on_demand(whole: Problem) -> bool:
     return size.entries >= LARGE_ENTRIES and size.events <= MOST_EVENTS
 
 
+def ask_for_rows(whole: Problem) -> None:
+    """Let rows be computed on demand, to the nearest destinations and required targets."""
+    required = sum(target.required for target in whole.instance.targets)
+    whole.ask(neighbours(whole.instance, RANKS + required))
+
+
 def may_go_without(whole: Problem) -> bool:
     """Whether arrivals are functions, or all targets are put in order on a large timetable."""
     if whole.has_timetable or whole.missions[0].has_functions:
@@ -245,6 +251,5 @@ def candidates(
     if built:
         whole.build(pairs, enough, most)
     if on_demand and not (built and whole.is_whole):
-        required = sum(target.required for target in whole.instance.targets)
-        whole.ask(neighbours(whole.instance, RANKS + required))
+        ask_for_rows(whole)
     return TableBudget(whole, now_s() - began, whole_s)

@@ -62,8 +62,13 @@ class Beams:
         seed: int = 0,
         mission: Mission | None = None,
     ) -> npt.NDArray[np.int64]:
-        """The best plan of one search; ``mission`` may be a variant with another choice."""
+        """The best plan of one search; ``mission`` may be a variant with another choice.
+
+        No moves where time was over before and rows are asked for, each of which takes its time.
+        """
         affordable = PUNCTUAL * max(0.0, self._stop.remaining_s())
+        if affordable == 0.0 and self._mission.timetable.is_on_demand:
+            return np.empty(0, dtype=np.int64)
         if self.needed_s(settings.width) > affordable:
             settings = replace(settings, width=max(1, int(affordable / self._pace_s)))
         began = now_s()

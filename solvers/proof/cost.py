@@ -217,6 +217,7 @@ class CostProof(CostRounds):
         self._pool = ThreadPoolExecutor(1) if jobs > 1 else None
         self._labels, self._most_labels = min(FIRST_LABELS, most_labels), most_labels
         self._share, self._finding_share = 0.25, 1.0
+        self._fruitless = 0  # rounds since one found a cheaper plan
         self._tried = False  # whether the whole gap was ever too much
         self._ready = False
         self.bound = 0.0
@@ -305,10 +306,12 @@ class CostProof(CostRounds):
         finding: Future[None] | None = None
         remembered = self._proving.neighbourhood.copy()
         self._finding.compared = remembered.copy()
-        if self._pool is None:
-            self._find()
-        else:
-            finding = self._pool.submit(self._find)
+        self._fruitless += 1
+        if self._fruitless & (self._fruitless - 1) == 0:  # it takes as long as the proof
+            if self._pool is None:
+                self._find()
+            else:
+                finding = self._pool.submit(self._find)
         try:
             finished, value, plan, grown = self._proving.search(
                 known - most, self._labels, self._over
@@ -341,6 +344,7 @@ class CostProof(CostRounds):
         finished, _, plan, _ = self._finding.search(known - most, self._labels, self._over)
         if plan is not None:
             self._offer(plan)
+            self._fruitless = 0
         if not finished:
             self._finding_share = max(0.5 * self._finding_share, LEAST_SHARE)
         elif plan is None:
