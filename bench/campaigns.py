@@ -3,6 +3,7 @@
 python bench/campaigns.py cost nominal --limit 60 --out cost.jsonl
 python bench/campaigns.py cost removal --targets 12 --chasers 3 --expense 55,0,2e-3 --limit 60
 python bench/campaigns.py cost nominal --duration --count 5
+python bench/campaigns.py cost rocket-bodies --electric --targets 8 --count 5 --limit 20
 python bench/campaigns.py designs
 """
 
@@ -24,6 +25,7 @@ from adr_opt.common.clock import count_processor_time
 from adr_opt.common.constants import DAY_S
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.sources import catalogue, worth
+from adr_opt.sources.generator.rocket_bodies import ELECTRIC_TRANSFER, electric_chaser
 from adr_opt.ui.report.designs import design_columns
 
 
@@ -36,6 +38,7 @@ def cost(
     chasers: int | None = None,
     expense: str = "",
     duration: bool = False,
+    electric: bool = False,
     processor: bool = False,
     out: Path | None = None,
 ) -> None:
@@ -44,7 +47,8 @@ def cost(
     With ``--targets`` and ``--chasers`` fields are smaller or larger than those of the family, and
     with ``--expense`` the cost is no ΔV, but what chasers take: each one so much if it is used, for
     each kilogram that it carries, and for each square of one. With ``--duration`` it is the end of
-    the last service. The time limit starts with a ready timetable and covers the proof of the
+    the last service. With ``--electric`` chasers thrust, as those of the family `electric` do:
+    stages like SL-16 are those of `rocket-bodies`. The time limit starts with a ready timetable and covers the proof of the
     prizes, too; with ``--processor`` it counts the processor time of all threads. Every plan is
     checked. Rows are kept in ``--out``, and gone on with.
     """
@@ -53,6 +57,9 @@ def cost(
 
     def drawn(family: str, seed: int, targets: int | None) -> adr_opt.Instance:
         instance = adr_opt.generate(family, seed, targets=targets, chasers=chasers)
+        if electric:
+            thrusting = tuple(electric_chaser(each) for each in range(len(instance.chasers)))
+            instance = instance.replace(chasers=thrusting, transfer=ELECTRIC_TRANSFER)
         if duration:
             return instance.replace(objective={"cost": "duration"})
         if not prices:
@@ -81,7 +88,7 @@ def cost(
     if processor:
         count_processor_time()
     asked = {"limit_s": limit, "targets": targets, "chasers": chasers}
-    asked |= {"expense": prices, "duration": duration}
+    asked |= {"expense": prices, "duration": duration, "electric": electric}
     rows = [
         kept(
             out,
