@@ -440,6 +440,16 @@ def test_the_script_without_a_library_of_learners_runs(monkeypatch: pytest.Monke
 
 
 @pytest.mark.slow
+def test_the_environment_plays_in_torchrl(monkeypatch: pytest.MonkeyPatch) -> None:
+    """examples/training/torchrl_missions.py plays legal moves to the end of each mission."""
+    pytest.importorskip("torchrl")
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "examples" / "training"))
+    for told in importlib.import_module("torchrl_missions").main(2):
+        assert told["next", "done"].sum() == 1
+        assert told["action_mask"].gather(1, told["action"].unsqueeze(1)).all()
+
+
+@pytest.mark.slow
 def test_the_script_trains_in_uncertain_worlds() -> None:
     """With ``--worlds`` the script trains in them, and three policies play the same worlds."""
     assert trained("--worlds", 3).count("mean of 6 worlds") == 3
