@@ -402,7 +402,7 @@ def test_the_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.Monkey
     """
     monkeypatch.chdir(tmp_path)
     page = (Path(__file__).parents[2] / "docs/environment.md").read_text(encoding="utf-8")
-    first, planned, second = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    first, planned, second, *_ = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     names: dict[str, Any] = {"SMALL": SMALL}
     exec(first.replace("adr_opt.learning.environment.VARIED", "SMALL"), names)
     assert names["terminated"]
