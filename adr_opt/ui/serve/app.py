@@ -247,6 +247,7 @@ def application(
             _action("/edit", lambda text: session.edit(read_edit(text))),
             _action("/undo", lambda text: session.undo()),
             _action("/redo", lambda text: session.redo()),
+            _action("/lift", lambda text: session.take_windows(None)),
             _action("/plan", lambda text: session.plan(read_order(text))),
             _action("/sample", lambda text: backend.sample()),
             _action("/stop", lambda text: session.stop()),
