@@ -27,6 +27,7 @@ class Fitting(NamedTuple):
     disposal_altitude: float | None
     disposal_perigee: float | None
     max_lifetime: float | None
+    max_uncontrolled: float | None
 
     @property
     def disposal(self) -> Disposal | None:
@@ -50,7 +51,8 @@ class Fitting(NamedTuple):
         ------
         InputError
         """
-        check_positive(**self._asdict())
+        check_positive(**self._replace(max_uncontrolled=None)._asdict())
+        check_not_negative(max_uncontrolled=self.max_uncontrolled)
         if self.kit_mass is not None and self.kits is None and not kits:
             raise InputError("--kit-mass: there are no kits; give their number with --kits")
         masses = (self.dry_mass, self.propellant, self.isp)
@@ -63,7 +65,7 @@ class Fitting(NamedTuple):
             )
 
     def _check_tow(self, *, knows_masses: bool) -> None:
-        of_tows = ("disposal_altitude", "disposal_perigee", "max_lifetime")
+        of_tows = ("disposal_altitude", "disposal_perigee", "max_lifetime", "max_uncontrolled")
         given = [_option(name) for name in of_tows if getattr(self, name) is not None]
         if self.tow is None:
             if given:
@@ -145,6 +147,7 @@ class CrewOptions(NamedTuple):
     launch_separation: float | None
     launch_into: str | None
     launcher: str | None
+    end_of_life: float | None
     expense: str | None
     thrust: float | None
     duty_cycle: float | None
@@ -173,7 +176,11 @@ class CrewOptions(NamedTuple):
         from .catalogue import Crew
         from .catalogue.crew import APART_S
 
-        check_positive(launches=self.launches, launch_separation=self.launch_separation)
+        check_positive(
+            launches=self.launches,
+            launch_separation=self.launch_separation,
+            end_of_life=self.end_of_life,
+        )
         check_not_negative(launch_every=self.launch_every, service_days=self.service_days)
         for option, value in (
             ("--launch-every", self.launch_every),
@@ -200,6 +207,8 @@ class CrewOptions(NamedTuple):
             towed_kg=fitting.tow,
             disposal=fitting.disposal,
             max_lifetime_years=fitting.max_lifetime,
+            max_uncontrolled_kg=fitting.max_uncontrolled,
+            end_of_life_m_s=self.end_of_life,
             service_s=None if self.service_days is None else DAY_S * self.service_days,
             thrust_n=self.thrust,
             duty_cycle=self.duty_cycle,

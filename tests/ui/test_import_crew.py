@@ -149,11 +149,14 @@ def test_tows_reach_the_instance(imported) -> None:
         ("--disposal-altitude", DisposalCircle(circle_m=450.5e3)),
         ("--disposal-perigee", DisposalPerigee(perigee_m=450.5e3)),
     ):
-        outcome = imported(*MASSES, "--tow", "900", option, "450.5", "--max-lifetime", "25")
+        rules = "--max-lifetime", "25", "--max-uncontrolled", "500", "--end-of-life", "120"
+        outcome = imported(*MASSES, "--tow", "900", option, "450.5", *rules)
         assert outcome.status == 0, outcome
         instance = adr_opt.load("out.json")
         assert instance.mission.disposal == disposal
         assert instance.mission.max_lifetime_years == 25.0
+        assert instance.mission.max_uncontrolled_kg == 500.0
+        assert {chaser.end_of_life_m_s for chaser in instance.chasers} == {120.0}
         assert {(target.removal, target.mass_kg) for target in instance.targets} == {("tow", 900.0)}
         assert loads_of(instance, instance.chaser, 0.0) is not None
 
@@ -211,6 +214,10 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
         (("--disposal-altitude", "500"), "nothing is towed"),
         (("--disposal-perigee", "50"), "--disposal-perigee: nothing is towed"),
         (("--max-lifetime", "25"), "--max-lifetime: nothing is towed"),
+        (("--max-uncontrolled", "25"), "--max-uncontrolled: nothing is towed"),
+        (("--max-uncontrolled", "-1"), "--max-uncontrolled = -1: must be a finite number"),
+        (("--end-of-life", "0"), "--end-of-life = 0: must be a positive number"),
+        (("--end-of-life", "4000"), "--end-of-life (end_of_life_m_s = 4000.0): the tank has"),
         (
             (*MASSES, "--tow", "9", "--disposal-altitude", "500", "--disposal-perigee", "50"),
             "leave --disposal-altitude out",

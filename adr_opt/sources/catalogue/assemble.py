@@ -342,6 +342,7 @@ def _instance(
                 launch_separation_s=crew.separation_s,
                 disposal=crew.disposal,
                 max_lifetime_years=crew.max_lifetime_years,
+                max_uncontrolled_kg=crew.max_uncontrolled_kg,
             ),
             objective=crew.objective,
             dynamics=mission.dynamics,

@@ -60,6 +60,10 @@ class Crew:
         The orbit that they are towed to.
     max_lifetime_years : float, optional
         How long they may stay in orbit once they are released.
+    max_uncontrolled_kg : float, optional
+        Mass above which they have to re-enter under control.
+    end_of_life_m_s : float, optional
+        What each chaser keeps for its own disposal.
     service_s : float, optional
         How long each service takes; None for one revolution of the target [s].
     thrust_n, duty_cycle : float, optional
@@ -77,6 +81,8 @@ class Crew:
     towed_kg: float | None = None
     disposal: Disposal | None = None
     max_lifetime_years: float | None = None
+    max_uncontrolled_kg: float | None = None
+    end_of_life_m_s: float | None = None
     service_s: float | None = None
     thrust_n: float | None = None
     duty_cycle: float | None = None
@@ -137,6 +143,7 @@ class Crew:
             kits=self.kits,
             kit_mass_kg=self.kit_mass_kg,
             expense=self.expense,
+            end_of_life_m_s=self.end_of_life_m_s,
             thrust_n=self.thrust_n,
             duty_cycle=self.duty_cycle,
         )

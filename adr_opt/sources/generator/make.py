@@ -113,6 +113,7 @@ def fitted(  # noqa: PLR0913
     towed_kg: float | None = None,
     disposal: Disposal | None = None,
     max_lifetime_years: float | None = None,
+    max_uncontrolled_kg: float | None = None,
     burns: BurnsName | None = None,
     approach: ApproachName | None = None,
     keep_out_m: float | None = None,
@@ -122,7 +123,8 @@ def fitted(  # noqa: PLR0913
     Parameters
     ----------
     instance : Instance
-    tank, kits, kit_mass_kg, towed_kg, disposal, max_lifetime_years, burns, approach, keep_out_m
+    tank, kits, kit_mass_kg, towed_kg, disposal, max_lifetime_years, max_uncontrolled_kg, burns
+    approach, keep_out_m
         As :func:`adr_opt.generate` takes them.
 
     Raises
@@ -134,8 +136,12 @@ def fitted(  # noqa: PLR0913
         raise InputError("a target takes a kit or is towed; give kits or a mass to tow")
     if (towed_kg is None) != (disposal is None):
         raise InputError("a tow needs a mass and a disposal orbit; give both or none")
-    if max_lifetime_years is not None and disposal is None:
-        raise InputError(f"lifetime = {max_lifetime_years:g} years: nothing is released; say a tow")
+    for what, limit, unit in (
+        ("lifetime", max_lifetime_years, "years"),
+        ("most uncontrolled", max_uncontrolled_kg, "kg"),
+    ):
+        if limit is not None and disposal is None:
+            raise InputError(f"{what} = {limit:g} {unit}: nothing is released; say a tow")
     carried = instance.chasers[0].kits is not None
     if kit_mass_kg is not None and kits is None and (not carried or towed_kg is not None):
         raise InputError(f"kit mass = {kit_mass_kg:g} kg: there are no kits; say how many")
@@ -158,7 +164,11 @@ def fitted(  # noqa: PLR0913
         return instance
     mission = instance.mission
     if disposal is not None:
-        mission = mission.replace(disposal=disposal, max_lifetime_years=max_lifetime_years)
+        mission = mission.replace(
+            disposal=disposal,
+            max_lifetime_years=max_lifetime_years,
+            max_uncontrolled_kg=max_uncontrolled_kg,
+        )
     return instance.replace(
         name=f"{instance.name}{SUFFIX}",
         chasers=tuple(chaser.replace(**of_chasers) for chaser in instance.chasers),
@@ -195,6 +205,7 @@ def generate(  # noqa: PLR0913
     towed_kg: float | None = None,
     disposal: Disposal | None = None,
     max_lifetime_years: float | None = None,
+    max_uncontrolled_kg: float | None = None,
     burns: BurnsName | None = None,
     approach: ApproachName | None = None,
     keep_out_m: float | None = None,
@@ -227,6 +238,8 @@ def generate(  # noqa: PLR0913
         The orbit that targets are towed to, where they are.
     max_lifetime_years : float, optional
         How long these may stay in orbit once they are released.
+    max_uncontrolled_kg : float, optional
+        Mass above which they have to re-enter under control [kg].
     burns : {"sequence", "free"}, optional
         By which short legs are priced; by default those of the sequence.
     approach : {"half-lap", "safety-ellipse"}, optional
@@ -290,6 +303,7 @@ def generate(  # noqa: PLR0913
         towed_kg=towed_kg,
         disposal=disposal,
         max_lifetime_years=max_lifetime_years,
+        max_uncontrolled_kg=max_uncontrolled_kg,
         burns=burns,
         approach=approach,
         keep_out_m=keep_out_m,

@@ -77,6 +77,7 @@ def command(
         towed_kg=fitting.tow,
         disposal=fitting.disposal,
         max_lifetime_years=fitting.max_lifetime,
+        max_uncontrolled_kg=fitting.max_uncontrolled,
         burns=burns,
         approach=approach,
         keep_out_m=keep_out,

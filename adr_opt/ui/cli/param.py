@@ -125,4 +125,5 @@ def fitting_options(usual: str) -> Callable[[Function], Function]:
         number(
             "--max-lifetime", "YEARS", "How long a released target may stay in orbit; no default."
         ),
+        number("--max-uncontrolled", "KG", "Heavier ones re-enter under control; no default."),
     )
