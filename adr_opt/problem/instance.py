@@ -112,6 +112,17 @@ class Instance(Shown, InstanceFile):
         made._known_as = self.sha256
         return made
 
+    def without_reserves(self) -> Self:
+        """The same mission with what chasers may burn as their tanks; it keeps its SHA-256.
+
+        What they keep for their own disposal then counts as dry mass, as it does for planners.
+        """
+        if all(chaser.end_of_life_m_s is None for chaser in self.chasers):
+            return self
+        return self.known_as(
+            tuple(each.replace(tank=each.usable, end_of_life_m_s=None) for each in self.chasers)
+        )
+
     @property
     def sha256(self) -> str:
         """SHA-256 of the file written by :meth:`to_json`; plans carry it."""
