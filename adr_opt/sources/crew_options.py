@@ -23,6 +23,7 @@ class Fitting(NamedTuple):
     isp: float | None
     kits: int | None
     kit_mass: float | None
+    kit_isp: float | None
     tow: float | None
     disposal_altitude: float | None
     disposal_perigee: float | None
@@ -67,23 +68,29 @@ class Fitting(NamedTuple):
     def _check_tow(self, *, knows_masses: bool) -> None:
         of_tows = ("disposal_altitude", "disposal_perigee", "max_lifetime", "max_uncontrolled")
         given = [_option(name) for name in of_tows if getattr(self, name) is not None]
-        if self.tow is None:
+        if self.kit_isp is not None and self.kits is None:
+            raise InputError("--kit-isp: there are no kits; give their number with --kits")
+        releases = "--tow" if self.tow is not None else "--kit-isp"
+        if self.tow is None and self.kit_isp is None:
             if given:
-                raise InputError(f"{given[0]}: nothing is towed; give the mass with --tow")
+                raise InputError(
+                    f"{given[0]}: nothing is towed; give the mass with --tow, or the specific "
+                    "impulse of kits with --kit-isp"
+                )
             return
         if self.disposal is None:
             raise InputError(
-                "--tow: no disposal orbit; give --disposal-altitude or --disposal-perigee"
+                f"{releases}: no disposal orbit; give --disposal-altitude or --disposal-perigee"
             )
         if given[:2] == ["--disposal-altitude", "--disposal-perigee"]:
             raise InputError(
                 "--disposal-perigee: the disposal orbit is a circle; leave --disposal-altitude out"
             )
-        if self.kits is not None:
+        if self.tow is not None and self.kits is not None:
             raise InputError("--tow: a target takes a kit or is towed; leave --kits or --tow out")
         if not knows_masses:
             raise InputError(
-                "--tow: the tank is given in ΔV, without masses; give --dry-mass, "
+                f"{releases}: the tank is given in ΔV, without masses; give --dry-mass, "
                 "--propellant and --isp"
             )
 
@@ -202,6 +209,7 @@ class CrewOptions(NamedTuple):
             apart_s=usual_s if self.launch_every is None else DAY_S * self.launch_every,
             kits=fitting.kits,
             kit_mass_kg=fitting.kit_mass or 0.0,
+            kit_isp_s=fitting.kit_isp,
             expense=self._expense(tank),
             separation_s=None if separation is None else DAY_S * separation,
             towed_kg=fitting.tow,

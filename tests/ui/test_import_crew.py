@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from catalogue_files import field
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.plan.cargo import loads_of
+from adr_opt.plan.kit_sizes import disposal_m_s
 from adr_opt.problem.chasers import Expense, Tank, TankByMass
 from adr_opt.problem.disposal import DisposalCircle, DisposalPerigee
 from adr_opt.sources import catalogue
@@ -161,6 +163,24 @@ def test_tows_reach_the_instance(imported) -> None:
         assert loads_of(instance, instance.chaser, 0.0) is not None
 
 
+def test_kits_are_sized_by_what_they_lead_to(imported) -> None:
+    """Each target has the disposal, and kits hold the propellant of the one that takes most."""
+    rows = [f"{record.number},{300 + 10 * at}" for at, record in enumerate(RECORDS)]
+    Path("m.csv").write_text("\n".join(["object,mass", *rows]) + "\n")
+    kits = "--kits", "3", "--kit-mass", "20", "--kit-isp", "220", "--disposal-perigee", "50"
+    outcome = imported(*MASSES, *kits, "--prizes", "m.csv", "--max-lifetime", "25")
+    assert outcome.status == 0, outcome
+    instance = adr_opt.load("out.json")
+    assert instance.mission.disposal is None
+    assert {target.disposal for target in instance.targets} == {DisposalPerigee(perigee_m=50e3)}
+    needs = [
+        (target.mass_kg + 20.0) * math.expm1(disposal_m_s(target) / (220.0 * 9.80665))
+        for target in instance.targets
+    ]
+    assert instance.chaser.kit_mass_kg == pytest.approx(20.0 + max(needs))
+    assert imported(*MASSES, *kits).err.endswith("its mass is not known, by which kits are sized\n")
+
+
 def test_a_distance_to_keep_reaches_the_instance(imported) -> None:
     """``--keep-out`` is that of a safety ellipse, and of nothing else."""
     assert imported("--approach", "safety-ellipse", "--keep-out", "150").status == 0
@@ -206,6 +226,8 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
         (("--expense", "-1"), "--expense '-1': "),
         (("--expense", "1,2"), "--expense: the tank is given in ΔV, without masses"),
         (("--kits", "-1"), "--kits = -1"),
+        (("--kit-isp", "220"), "--kit-isp: there are no kits"),
+        (("--kits", "3", "--kit-isp", "220"), "--kit-isp: no disposal orbit"),
         (("--kit-mass", "3"), "--kit-mass: there are no kits"),
         (("--tow", "0"), "--tow = 0"),
         (("--tow", "900"), "--tow: no disposal orbit"),

@@ -9,6 +9,7 @@ from typing import Any
 
 from ...common.constants import HOUR_S
 from ...common.errors import InputError
+from ...plan.kit_sizes import with_sized_kits
 from ...problem.bodies import Station, Target
 from ...problem.chasers import AnyTank, AtStation, Chaser, InOrbit, Start, Tank
 from ...problem.disposal import Disposal
@@ -110,6 +111,7 @@ def fitted(  # noqa: PLR0913
     tank: AnyTank | None = None,
     kits: int | None = None,
     kit_mass_kg: float | None = None,
+    kit_isp_s: float | None = None,
     towed_kg: float | None = None,
     disposal: Disposal | None = None,
     max_lifetime_years: float | None = None,
@@ -123,8 +125,8 @@ def fitted(  # noqa: PLR0913
     Parameters
     ----------
     instance : Instance
-    tank, kits, kit_mass_kg, towed_kg, disposal, max_lifetime_years, max_uncontrolled_kg, burns
-    approach, keep_out_m
+    tank, kits, kit_mass_kg, kit_isp_s, towed_kg, disposal, max_lifetime_years
+    max_uncontrolled_kg, burns, approach, keep_out_m
         As :func:`adr_opt.generate` takes them.
 
     Raises
@@ -134,7 +136,7 @@ def fitted(  # noqa: PLR0913
     """
     if kits is not None and towed_kg is not None:
         raise InputError("a target takes a kit or is towed; give kits or a mass to tow")
-    if (towed_kg is None) != (disposal is None):
+    if (towed_kg is None and kit_isp_s is None) != (disposal is None):
         raise InputError("a tow needs a mass and a disposal orbit; give both or none")
     for what, limit, unit in (
         ("lifetime", max_lifetime_years, "years"),
@@ -165,17 +167,18 @@ def fitted(  # noqa: PLR0913
     mission = instance.mission
     if disposal is not None:
         mission = mission.replace(
-            disposal=disposal,
+            disposal=None if towed_kg is None else disposal,
             max_lifetime_years=max_lifetime_years,
             max_uncontrolled_kg=max_uncontrolled_kg,
         )
-    return instance.replace(
+    made = instance.replace(
         name=f"{instance.name}{SUFFIX}",
         chasers=tuple(chaser.replace(**of_chasers) for chaser in instance.chasers),
         targets=tuple(target.replace(**of_targets) for target in instance.targets),
         mission=mission,
         transfer=transfer,
     )
+    return made if kit_isp_s is None else with_sized_kits(made, kit_isp_s, disposal)
 
 
 EPOCH = datetime(2026, 1, 1, tzinfo=UTC)
@@ -202,6 +205,7 @@ def generate(  # noqa: PLR0913
     tank: AnyTank | None = None,
     kits: int | None = None,
     kit_mass_kg: float | None = None,
+    kit_isp_s: float | None = None,
     towed_kg: float | None = None,
     disposal: Disposal | None = None,
     max_lifetime_years: float | None = None,
@@ -232,6 +236,9 @@ def generate(  # noqa: PLR0913
         Each target takes a kit; this is the maximum number aboard each chaser.
     kit_mass_kg : float, optional
         Of each kit; needs a tank by mass [kg].
+    kit_isp_s : float, optional
+        Specific impulse of kits that lead to the orbit of disposal, for which they carry the
+        propellant beside their mass [s].
     towed_kg : float, optional
         Instead of kits: each target has this mass [kg] and is towed; needs a tank by mass.
     disposal : DisposalCircle or DisposalPerigee, optional
@@ -300,6 +307,7 @@ def generate(  # noqa: PLR0913
         tank=tank,
         kits=kits,
         kit_mass_kg=kit_mass_kg,
+        kit_isp_s=kit_isp_s,
         towed_kg=towed_kg,
         disposal=disposal,
         max_lifetime_years=max_lifetime_years,

@@ -74,6 +74,7 @@ def command(
         tank=fitting.tank(),
         kits=fitting.kits,
         kit_mass_kg=fitting.kit_mass,
+        kit_isp_s=fitting.kit_isp,
         towed_kg=fitting.tow,
         disposal=fitting.disposal,
         max_lifetime_years=fitting.max_lifetime,

@@ -74,6 +74,7 @@ OPTIONS: tuple[JobOption, ...] = (
     number("duty_cycle", "Duty cycle", "", "share of the time in which the thrust is on"),
     number("kits", "Kits aboard", "", "each target needs one", whole=True),
     number("kit_mass", "Mass of a kit", "kg"),
+    number("kit_isp", "Specific impulse of kits", "s", "they lead to the disposal orbit"),
     number("tow", "Mass of a towed target", "kg", "each target is towed"),
     number("disposal_altitude", "Disposal altitude", "km", "to which targets are towed"),
     number("disposal_perigee", "Disposal perigee", "km", "instead, apogees stay"),
