@@ -38,7 +38,6 @@ from .requests import (
     RemoveRequest,
     ShowRequest,
     StopRequest,
-    WorthRequest,
     read_order,
     read_request,
 )
@@ -251,7 +250,6 @@ def application(
             _action("/plan", lambda text: session.plan(read_order(text))),
             _action("/sample", lambda text: backend.sample()),
             _action("/stop", lambda text: session.stop()),
-            _action("/worth", lambda text: backend.worth(read_request(WorthRequest, text))),
             _action("/choose", lambda text: backend.choose(read_request(ChooseRequest, text))),
             _action("/jobs", lambda text: backend.begin(read_request(JobRequest, text))),
             _action("/jobs/stop", lambda text: backend.stop(read_request(StopRequest, text).job)),

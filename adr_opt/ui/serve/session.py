@@ -262,11 +262,10 @@ class EditingSession:
         Returns whether they are of this mission.
         """
         with self._lock:
+            field, words = self._history.draft.field, "captures in windows"
+            made = None if number is None else captures.found_for(field, self.results, number)
             if number is None:
                 made, words = self.without_found_windows(), "captures at any time"
-            else:
-                field = self._history.draft.field
-                made, words = captures.found_for(field, self.results, number), "captures in windows"
             if made is not None:
                 self._go(lambda: self._history.go_on(made, words))
             return made is not None
