@@ -48,9 +48,10 @@ def cost(
     with ``--expense`` the cost is no ΔV, but what chasers take: each one so much if it is used, for
     each kilogram that it carries, and for each square of one. With ``--duration`` it is the end of
     the last service. With ``--electric`` chasers thrust, as those of the family `electric` do:
-    stages like SL-16 are those of `rocket-bodies`. The time limit starts with a ready timetable and covers the proof of the
-    prizes, too; with ``--processor`` it counts the processor time of all threads. Every plan is
-    checked. Rows are kept in ``--out``, and gone on with.
+    stages like SL-16 are those of `rocket-bodies`; there what is least with the legs of the
+    heaviest chaser is proven, which bounds no others. The time limit starts with a ready timetable
+    and covers the proof of the prizes, too; with ``--processor`` it counts the processor time of
+    all threads. Every plan is checked. Rows are kept in ``--out``, and gone on with.
     """
     names = ("fixed", "per_kg", "per_kg_squared")
     prices = [float(each) for each in expense.split(",") if each]
@@ -112,9 +113,12 @@ def cost(
             f"{one['cpu_s']:.1f} s",
         )
     gaps = [1.0 if one["cost_gap"] is None else one["cost_gap"] for one in rows]
-    print(
-        f"\n{len(rows)} fields: {sum(one['cost_status'] == 'optimal' for one in rows)} proven, "
+    proven = (
+        f"{sum(one['cost_status'] == 'optimal' for one in rows)} proven, "
         f"{sum(gap <= 0.02 for gap in gaps)} within 2 %, median gap {100 * median(gaps):.2f} %, "
+    )
+    print(
+        f"\n{len(rows)} fields: {'' if electric else proven}"
         f"median time {median(one['wall_s'] for one in rows):.1f} s, "
         f"{sum(one['violations'] for one in rows)} violations."
     )

@@ -45,7 +45,7 @@ from .run_options import (
 )
 from .side_by_side import together
 from .start_plan import start_destinations
-from .table_budget import ask_for_rows, candidates, may_go_without, may_work_on_demand, no_table
+from .table_budget import ask_for_rows, candidates, has_first_routes, may_go_without, no_table
 
 __all__ = [
     "DEFAULT_BOUND",
@@ -373,7 +373,7 @@ def _at_once(
     """
     quick = spec_of(FALLBACK)
     none: tuple[tuple[str, ...], ...] = tuple(() for _ in problem.missions)
-    if not (may_work_on_demand(problem) and follows_all(problem.instance, quick.follows)):
+    if not has_first_routes(problem, limit_s) or not follows_all(problem.instance, quick.follows):
         return prepared, none
     if limit_s < SHORT_S:
         return replace(prepared, hurried=True), none

@@ -18,7 +18,7 @@ from ..kernels.tables.timetable_making import WAVE
 from ..legs.connection_finder import estimate
 from ..legs.nearest_pairs import nearest_pairs, neighbours
 from ..legs.timetable import Timetable
-from ..legs.timetable_size import TABLE_BYTES
+from ..legs.timetable_size import TABLE_BYTES, Size
 from ..mission.problem import Problem
 from ..mission.result import Result, proven_of
 
@@ -169,6 +169,24 @@ def may_work_on_demand(whole: Problem) -> bool:
     return size.entries >= LARGE_ENTRIES and size.events <= MOST_EVENTS
 
 
+def _allowed_s(limit_s: float) -> float:
+    """Time for a timetable that is not all of the answer [s]."""
+    return max(LEAST_S, SHARE * limit_s)
+
+
+def _whole_s(whole: Problem, size: Size) -> float:
+    """Expected time for the timetable of all pairs [s]."""
+    # Rows that are given are looked up in Python, one thread at a time.
+    return size.build_s / (1 if whole.instance.given is not None else usable_cores())
+
+
+def has_first_routes(whole: Problem, limit_s: float) -> bool:
+    """Whether rows on demand give a plan long before a timetable, which is never complete."""
+    if not may_work_on_demand(whole):
+        return False
+    return _whole_s(whole, estimate(whole.instance)) > PATIENCE * _allowed_s(limit_s)
+
+
 def ask_for_rows(whole: Problem) -> None:
     """Let rows be computed on demand, to the nearest destinations and required targets."""
     required = sum(target.required for target in whole.instance.targets)
@@ -221,14 +239,12 @@ def candidates(
         return TableBudget(whole, 0.0, 0.0)
     began, size = now_s(), estimate(whole.instance)
     on_demand = on_demand and may_work_on_demand(whole)
-    # Rows that are given are looked up in Python, one thread at a time.
-    needs_all, cores = first is None, 1 if whole.instance.given is not None else usable_cores()
-    allowed_s = max(LEAST_S, limit_s if needs_all else SHARE * limit_s)
-    whole_s = size.build_s / cores
+    needs_all, whole_s = first is None, _whole_s(whole, size)
+    allowed_s = max(LEAST_S, limit_s) if needs_all else _allowed_s(limit_s)
     affordable = whole_s <= (1.0 if needs_all else PATIENCE) * allowed_s
     given_up_s = max(LEAST_S, limit_s if needs_all else GIVEN_UP * limit_s)
 
-    most = None if affordable else min(size.pairs, int(allowed_s * cores / size.pair_s))
+    most = None if affordable else min(size.pairs, int(allowed_s / whole_s * size.pairs))
     share = 1.0 if most is None else most / size.pairs
 
     def enough(done: float) -> bool:

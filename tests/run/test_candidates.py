@@ -388,3 +388,34 @@ def test_a_table_of_given_connections_holds_the_pairs_that_have_any():
         for i, j in itertools.permutations(range(bodies), 2):
             for ready in (0.0, 3e4, 6e4):
                 assert held.lookup(i, j, ready) == every.lookup(i, j, ready)
+
+
+def test_a_large_field_has_a_plan_before_its_table(monkeypatch):
+    """Methods that plan on a table tell the guarded greedy plan first, and never fall below it."""
+    monkeypatch.setattr(table_budget, "LARGE_ENTRIES", 0)
+    monkeypatch.setattr(timetable_size.Size, "pair_s", property(lambda size: 0.1))
+    instance = adr_opt.generate("nominal", 0, targets=20)
+    quick = adr_opt.solve(instance, "greedy-guarded")
+    for method in ("mcts", "local-search"):
+        told: list[float] = []
+        found = adr_opt.solve(
+            instance,
+            method,
+            iterations=1,
+            time_limit=9.0,
+            progress=lambda known, _, told=told: told.append(known),
+        )
+        assert told[0] == quick.objective
+        assert found.objective >= quick.objective
+
+
+def test_without_time_for_a_table_the_quick_plan_is_the_plan(monkeypatch):
+    """Where a large field leaves no time for a table, it is said whose plan there is."""
+    monkeypatch.setattr(table_budget, "LARGE_ENTRIES", 0)
+    monkeypatch.setattr(timetable_size.Size, "pair_s", property(lambda size: 0.1))
+    monkeypatch.setattr(table_budget, "nearest_pairs", None)  # no table is begun
+    instance = adr_opt.generate("nominal", 0, targets=20)
+    quick = adr_opt.solve(instance, "greedy-guarded")
+    found = adr_opt.solve(instance, "ortools", time_limit=1.0)
+    assert (found.method, found.sequence) == ("ortools", quick.sequence)
+    assert "ortools ran out of time: the plan is that of greedy-guarded" in found.notes
