@@ -85,7 +85,7 @@ def cost(
             "violations": len(adr_opt.check(problem.instance, plan)),
         }
 
-    measured(drawn(family if prices else "tiny", 0, 3), 20.0)  # compiles
+    measured(drawn(family if prices or electric else "tiny", 0, 3), 20.0)  # compiles
     if processor:
         count_processor_time()
     asked = {"limit_s": limit, "targets": targets, "chasers": chasers}

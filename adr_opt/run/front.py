@@ -65,7 +65,7 @@ __all__ = [
 SHORT_S = 3.0
 """Limit within which a timetable is not worth its time, if there is a plan without one [s]."""
 
-WRITING_S, WRITING_SHARE = 1e-4, 0.3
+WRITING_S, WRITING_SHARE = 1e-4, 0.4
 """Time kept for the plan's legs and for the reasons of targets left out, for each body, and at most
 as a share of the limit [s]."""
 
