@@ -307,7 +307,8 @@ class CostProof(CostRounds):
         remembered = self._proving.neighbourhood.copy()
         self._finding.compared = remembered.copy()
         self._fruitless += 1
-        if self._fruitless & (self._fruitless - 1) == 0:  # it takes as long as the proof
+        finds = self._fruitless & (self._fruitless - 1) == 0  # it takes as long as the proof
+        if finds:
             if self._pool is None:
                 self._find()
             else:
@@ -336,7 +337,7 @@ class CostProof(CostRounds):
         if value == -math.inf:
             self._share = min(1.0, 2.0 * self._share)
         elif grown == 0 and self._cost() >= before:
-            self.done = True
+            self.done, self._fruitless = finds, 0
 
     def _find(self) -> None:
         """Search heuristically for cheaper plans."""
