@@ -224,6 +224,20 @@ def application(
         kind = "application/octet-stream"
         return FileResponse(path, media_type=kind, filename=f"{asked['id']}-{path.name}")
 
+    actions: dict[str, Callable[[str], Any]] = {
+        "/files/remove": lambda text: backend.remove(read_request(RemoveRequest, text).file),
+        "/edit": lambda text: session.edit(read_edit(text)),
+        "/undo": lambda text: session.undo(),
+        "/redo": lambda text: session.redo(),
+        "/plan": lambda text: session.plan(read_order(text)),
+        "/sample": lambda text: backend.sample(),
+        "/stop": lambda text: session.stop(),
+        "/worth": lambda text: backend.worth(read_request(WorthRequest, text)),
+        "/choose": lambda text: backend.choose(read_request(ChooseRequest, text)),
+        "/jobs": lambda text: backend.begin(read_request(JobRequest, text)),
+        "/jobs/stop": lambda text: backend.stop(read_request(StopRequest, text).job),
+        "/show": lambda text: backend.show(read_request(ShowRequest, text)),
+    }
     return Starlette(
         routes=[
             Route("/", page),
@@ -241,20 +255,7 @@ def application(
             _told_of("/results/points", backend.points),
             Route("/export", exported),
             Route(UPLOAD, uploaded(backend), methods=["POST"]),
-            _action(
-                "/files/remove", lambda text: backend.remove(read_request(RemoveRequest, text).file)
-            ),
-            _action("/edit", lambda text: session.edit(read_edit(text))),
-            _action("/undo", lambda text: session.undo()),
-            _action("/redo", lambda text: session.redo()),
-            _action("/plan", lambda text: session.plan(read_order(text))),
-            _action("/sample", lambda text: backend.sample()),
-            _action("/stop", lambda text: session.stop()),
-            _action("/worth", lambda text: backend.worth(read_request(WorthRequest, text))),
-            _action("/choose", lambda text: backend.choose(read_request(ChooseRequest, text))),
-            _action("/jobs", lambda text: backend.begin(read_request(JobRequest, text))),
-            _action("/jobs/stop", lambda text: backend.stop(read_request(StopRequest, text).job)),
-            _action("/show", lambda text: backend.show(read_request(ShowRequest, text))),
+            *(_action(backend, path, act) for path, act in actions.items()),
         ],
         middleware=[Middleware(Guard, token=token, port=port, server=server)],
     )
@@ -285,13 +286,17 @@ def _told_of(path: str, content: Callable[[str], Any]) -> Route:
     return Route(path, answer)
 
 
-def _action(path: str, act: Callable[[str], Any]) -> Route:
-    """A POST request that changes something; errors are reported in one sentence."""
+def _action(backend: Backend, path: str, act: Callable[[str], Any]) -> Route:
+    """A POST request that changes something; errors are reported in one sentence.
+
+    The answer has the state that it leaves, so that what the page asks next is asked of that.
+    """
 
     async def answer(request: Request) -> Response:
         try:
             text = (await request.body()).decode("utf-8")
-            made = await run_in_threadpool(act, text)
+            made = await run_in_threadpool(act, text) or {}
+            told = to_json({**made, "state": await run_in_threadpool(backend.state)})
         except ClientDisconnect:
             return Response(status_code=400)  # which nobody hears
         except UnicodeDecodeError:
@@ -300,7 +305,7 @@ def _action(path: str, act: Callable[[str], Any]) -> Route:
             return JSONResponse({"error": str(error)}, status_code=422)
         except OSError as error:
             return JSONResponse({"error": not_written("that", error)}, status_code=507)
-        return Response(to_json(made or {}), media_type="application/json")
+        return Response(told, media_type="application/json")
 
     return Route(path, answer, methods=["POST"])
 

@@ -13,8 +13,9 @@ const built = new Map(); // by the place of an element: { key, fields, holder }
 
 const specsOf = (part) => told.forms.filter((spec) => spec.part === part);
 
-async function change(path, value) {
-  const { refused } = await post("/edit", { part: { path, value } });
+// A part is made of what it is when its turn comes, so that of two edits none undoes the other.
+async function change(path, make) {
+  const { refused } = await post("/edit", () => ({ part: { path, value: make() } }));
   return refused;
 }
 
@@ -27,12 +28,12 @@ function form(part, at, element, commit) {
     const { path } = spec;
     if (branches(specs, spec)) {
       const write = (chosen) => withBranch(specs, path, current(), chosen, told.state.instance);
-      const field = fieldOf(spec, id(path), (chosen) => commit(write(chosen)));
+      const field = fieldOf(spec, id(path), (chosen) => commit(() => write(chosen)));
       return { field, of: (now) => branch(specs, path, now) };
     }
     const described = path.endsWith(".station")
       ? { ...spec, kind: "choice", choices: stationNames() } : spec;
-    const field = fieldOf(described, id(path), (value) => commit(changed(current(), path, value)));
+    const field = fieldOf(described, id(path), (value) => commit(() => changed(current(), path, value)));
     return { field, of: (now) => dig(now, path) ?? (spec.optional ? null : spec.default) };
   };
   return specs.filter((spec) => stands(specs, spec, element))
@@ -91,17 +92,17 @@ function card(part, at) {
   const holder = made("div", { class: "form" });
   const why = made("p", { class: "why", "aria-live": "polite" });
   const all = () => told.state.instance[part];
-  const tell = async (elements) => { why.textContent = await change(part, elements); };
-  const another = button("Duplicate", () => {
+  const tell = async (make) => { why.textContent = await change(part, make); };
+  const another = button("Duplicate", () => tell(() => {
     const copy = structuredClone(all()[at]);
     copy.name = newName(copy.name, all().map(({ name }) => name));
-    tell([...all(), copy]);
-  });
-  const less = button("Remove", () => tell(all().filter((_, other) => other !== at)));
+    return [...all(), copy];
+  }));
+  const less = button("Remove", () => tell(() => all().filter((_, other) => other !== at)));
   const details = made("details", { class: "card" },
     made("summary", {}, title), holder, made("div", { class: "acts small" }, another, less), why);
-  const commit = (element) =>
-    change(part, all().map((other, number) => (number === at ? element : other)));
+  const commit = (make) =>
+    change(part, () => all().map((other, number) => (number === at ? make() : other)));
   const show = () => {
     const element = all()?.[at];
     if (!element) return;
@@ -128,14 +129,14 @@ function showList(part) {
   for (const { show } of cards[part]) show();
 }
 
-function add(part) {
+function withAnother(part) {
   const elements = told.state.instance[part];
   const names = elements.map(({ name }) => name);
   const like = elements.at(-1) ?? {
     orbit: structuredClone(told.state.instance.chasers[0]?.start?.orbit ?? null),
   };
   const name = elements.length ? newName(like.name, names) : LISTS[part];
-  return change(part, [...elements, { ...structuredClone(like), name }]);
+  return [...elements, { ...structuredClone(like), name }];
 }
 
 // How bodies move: a word of the instance, not a part of it.
@@ -162,7 +163,7 @@ function show() {
   for (const part of Object.keys(SINGLE)) {
     const details = box(part).closest("details");
     if (details.open) {
-      fill(part, part, null, state.instance[part] ?? {}, box(part), (value) => change(part, value));
+      fill(part, part, null, state.instance[part] ?? {}, box(part), (make) => change(part, make));
     }
   }
 }
@@ -173,7 +174,7 @@ export function start() {
   }
   for (const part of Object.keys(LISTS)) {
     box(`add-${part}`).addEventListener("click", async () => {
-      box(`${part}-why`).textContent = await add(part);
+      box(`${part}-why`).textContent = await change(part, () => withAnother(part));
     });
   }
   follow("state", show);
