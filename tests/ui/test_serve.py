@@ -113,7 +113,7 @@ def test_the_token_opens_the_page_and_becomes_a_cookie(desk: EditingSession) -> 
         assert answer.headers["x-content-type-options"] == "nosniff"
         assert not [name for name in answer.headers if name.startswith("access-control")]
     framed = client.get("/report").headers["content-security-policy"]
-    assert framed == "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
+    assert framed == "sandbox allow-scripts allow-downloads allow-modals; frame-ancestors 'self'"
     assert not any(word in page.text for word in ("<style", "onclick", "style=", TOKEN))
 
 

@@ -152,7 +152,7 @@ POLICY = (
 )
 """Content security policy of the page: everything comes from this server."""
 
-FRAMED = "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
+FRAMED = "sandbox allow-scripts allow-downloads allow-modals; frame-ancestors 'self'"
 """Policy of the report, which is shown only within the page, and may ask this server nothing."""
 
 
