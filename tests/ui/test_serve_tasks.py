@@ -9,10 +9,11 @@ from pathlib import Path
 
 import browser
 import pytest
-from serve_tab import in_report, on_page, put, served, text
+from serve_tab import drag, in_report, on_page, put, served, text
 
 import adr_opt
 from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import KeepOutZone
 from adr_opt.ui.serve.drafts import Draft, TargetsEdit
 from adr_opt.ui.serve.drafts import Edit as DraftEdit
 from adr_opt.ui.serve.variants import differences
@@ -186,9 +187,19 @@ def test_a_newcomer_finds_the_way(tmp_path: Path) -> None:
             assert content.startswith("CCSDS_OEM_VERS")
         with somebody.task("trade off"):
             somebody.click("[aria-controls=verb-tradeoff]")
-            put(tab, "#tradeoff-vary", "duration=0.5,1,1.5")
+            put(tab, "#tradeoff-vary", "duration")
+            values = "[...document.querySelectorAll('.vary input')].map(({ value }) => value)"
+            assert tab.evaluate(values)[:3] == ["0.75", "2.25", "0.375"]
+            put(tab, "Vary, step", 0.75)
             somebody.click("#verb-tradeoff .first")
             on_page(tab, "results", 5)
+        with somebody.task("drag the duration, and see the frontier"):
+            somebody.click("#to-mission")
+            drag(tab, "#limit-duration + *, .limit input[type=range]", (0.5, 0.5), (0.9, 0.5))
+            tab.wait_for("document.querySelectorAll('#frontier .dot').length === 3")
+            assert "the best plan known collects" in text(tab, "frontier")
+            tab.wait_for("document.getElementById('undo').title.startsWith('Undo: duration')")
+            somebody.click("#undo")
         assert [said for level, said in tab.complaints if level == "error"] == []
 
 
@@ -231,3 +242,54 @@ def test_an_object_is_clicked_in_the_report(tmp_path: Path) -> None:
         draft = adr_opt.load(tmp_path / "my-served" / "draft.json")
         (target,) = (each for each in draft.targets if each.name == name)
         assert target.window_s == (0.0, 108000.0)
+
+
+ZONE = KeepOutZone(min_altitude_m=790e3, max_altitude_m=800e3, start_s=40000.0, end_s=70000.0)
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+@pytest.mark.slow
+def test_a_zone_is_dragged_and_taken_back(tmp_path: Path) -> None:
+    """What is dragged on the altitude chart is where it was left, and back again after undo."""
+    drawn().replace(keep_out_zones=(ZONE,)).save(tmp_path / "my.json")
+    shape = "document.querySelector('#altitude .shapelayer path')"
+    with served(tmp_path, "my.json") as said, browser.Browser(tmp_path / "profile") as tab:
+        tab.go(said["url"])
+        on_page(tab, "reported", 0)
+        put(tab, "#limit", "5")
+        tab.evaluate("document.getElementById('plan').click()")
+        on_page(tab, "reported", 1)
+        in_report(tab, "document.documentElement?.dataset.complete")
+        in_report(tab, f"({shape}?.closest('section').scrollIntoView(), {shape} !== null)")
+        place = (
+            f"(() => {{ const {{ x, y, width, height }} = {shape}.getBoundingClientRect();"
+            " return [x + width / 2, y + height / 2]; })()"
+        )
+        x, y = in_report(tab, place)
+        left, top = tab.evaluate(
+            "(() => { const { x, y } = document.querySelector('iframe').getBoundingClientRect();"
+            " return [x, y]; })()"
+        )
+        for kind, by in (("mousePressed", 0), ("mouseMoved", 20), ("mouseReleased", 20)):
+            tab.call(
+                "Input.dispatchMouseEvent",
+                type=kind,
+                button="left",
+                buttons=1,
+                clickCount=1,
+                x=left + x + by,
+                y=top + y,
+            )
+        tab.wait_for("document.getElementById('undo').title === 'Undo: keep-out zones changed'")
+        (moved,) = tab.evaluate(ZONES)
+        assert moved["start_s"] > ZONE.start_s + 1000.0
+        assert moved["end_s"] - moved["start_s"] == pytest.approx(30000.0, abs=2.0)
+        assert moved["min_altitude_m"] == pytest.approx(790e3, abs=2.0)
+        tab.evaluate("document.getElementById('undo').click()")
+        in_report(tab, f"Math.abs({place}[0] - {x}) < 1")
+        assert tab.evaluate(ZONES)[0]["start_s"] == ZONE.start_s
+        assert [said for level, said in tab.complaints if level == "error"] == []
+
+
+ZONES = "fetch('/state').then((one) => one.json()).then((one) => one.instance.keep_out_zones)"

@@ -121,6 +121,7 @@ async function begin() {
   listenToPictures();
   listenToView();
   listenToTools();
+  listenToZones();
   window.addEventListener("beforeprint", () => onPaper(PAPER_PX));
   window.addEventListener("afterprint", () => {
     document.documentElement.classList.remove("brief");

@@ -5,10 +5,11 @@ import { dig, fieldOf, withValue } from "./field.js";
 import { follow, told } from "./store.js";
 import { post } from "./talk.js";
 
-const LISTS = { chasers: "chaser", stations: "station" };
+const LISTS = { chasers: "chaser", stations: "station", keep_out_zones: "zone" };
 const SINGLE = { mission: "Mission", transfer: "Transfer", objective: "Objective" };
 // Of each group one is given; the others make room for it.
 const INSTEAD = [["service_revolutions", "service_s"]];
+const EARTH_RADIUS_M = 6378137;
 const built = new Map(); // by the place of an element: { key, fields, holder }
 
 const specsOf = (part) => told.forms.filter((spec) => spec.part === part);
@@ -85,7 +86,7 @@ function newName(name, names) {
 
 // ---- Lists ---------------------------------------------------------------------------------------
 
-const cards = { chasers: [], stations: [] };
+const cards = Object.fromEntries(Object.keys(LISTS).map((part) => [part, []]));
 
 function card(part, at) {
   const title = made("span");
@@ -95,7 +96,7 @@ function card(part, at) {
   const tell = async (make) => { why.textContent = await change(part, make); };
   const another = button("Duplicate", () => tell(() => {
     const copy = structuredClone(all()[at]);
-    copy.name = newName(copy.name, all().map(({ name }) => name));
+    if (copy.name) copy.name = newName(copy.name, all().map(({ name }) => name));
     return [...all(), copy];
   }));
   const less = button("Remove", () => tell(() => all().filter((_, other) => other !== at)));
@@ -106,9 +107,9 @@ function card(part, at) {
   const show = () => {
     const element = all()?.[at];
     if (!element) return;
-    title.textContent = element.name;
-    another.setAttribute("aria-label", `Duplicate ${element.name}`);
-    less.setAttribute("aria-label", `Remove ${element.name}`);
+    title.textContent = element.name ?? `${LISTS[part]} ${at + 1}`;
+    another.setAttribute("aria-label", `Duplicate ${title.textContent}`);
+    less.setAttribute("aria-label", `Remove ${title.textContent}`);
     less.disabled = part === "chasers" && all().length === 1;
     // Fields are made when somebody looks at them first.
     if (details.open) fill(`${part} ${at}`, part, at, element, holder, commit);
@@ -130,10 +131,18 @@ function showList(part) {
 }
 
 function withAnother(part) {
-  const elements = told.state.instance[part];
+  const { instance, duration_s: end } = told.state;
+  const elements = instance[part];
+  if (part === "keep_out_zones") {
+    const axis = (instance.stations[0]?.orbit ?? instance.chasers[0].start?.orbit)?.semi_major_axis_m;
+    const height = Math.round(((axis ?? EARTH_RADIUS_M + 800000) - EARTH_RADIUS_M) / 1000) * 1000;
+    return [...elements, {
+      start_s: end / 3, end_s: end / 2, min_altitude_m: height + 10000, max_altitude_m: height + 20000,
+    }];
+  }
   const names = elements.map(({ name }) => name);
   const like = elements.at(-1) ?? {
-    orbit: structuredClone(told.state.instance.chasers[0]?.start?.orbit ?? null),
+    orbit: structuredClone(instance.chasers[0]?.start?.orbit ?? null),
   };
   const name = elements.length ? newName(like.name, names) : LISTS[part];
   return [...elements, { ...structuredClone(like), name }];

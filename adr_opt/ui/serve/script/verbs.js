@@ -11,13 +11,11 @@ const verbs = new Map(); // by name: { press, panel, run, why, fields }
 function missing(needs) {
   const chosen = selection();
   const plans = chosen.filter((result) => result.has_plan).length;
-  const dropped = (what) => told.state?.files?.some((file) => file.what.includes(what));
   const absent = {
     plan: !told.state?.plan && !chosen.length && "Needs a plan: press Plan in the mission view.",
     plans: plans < 2 && "Select two plans or more in the list of results.",
     certificate: !told.results.some(({ files }) => files.some((name) => name.startsWith("certificate")))
       && "Needs a certificate: prove a bound with one first.",
-    uncertainty: !dropped("uncertainty") && "Needs a dropped file of uncertainties.",
   };
   absent["plan or refined"] = absent.plan;
   return needs.map((need) => absent[need]).find(Boolean) ?? "";
