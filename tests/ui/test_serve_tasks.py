@@ -195,7 +195,8 @@ def test_a_newcomer_finds_the_way(tmp_path: Path) -> None:
             on_page(tab, "results", 5)
         with somebody.task("drag the duration, and see the frontier"):
             somebody.click("#to-mission")
-            drag(tab, "#limit-duration + *, .limit input[type=range]", (0.5, 0.5), (0.9, 0.5))
+            tab.evaluate("document.querySelector('.limit').scrollIntoView()")
+            drag(tab, ".limit input[type=range]", (0.5, 0.5), (0.9, 0.5))
             tab.wait_for("document.querySelectorAll('#frontier .dot').length === 3")
             assert "the best plan known collects" in text(tab, "frontier")
             tab.wait_for("document.getElementById('undo').title.startsWith('Undo: duration')")
@@ -285,7 +286,7 @@ def test_a_zone_is_dragged_and_taken_back(tmp_path: Path) -> None:
         (moved,) = tab.evaluate(ZONES)
         assert moved["start_s"] > ZONE.start_s + 1000.0
         assert moved["end_s"] - moved["start_s"] == pytest.approx(30000.0, abs=2.0)
-        assert moved["min_altitude_m"] == pytest.approx(790e3, abs=2.0)
+        assert moved["max_altitude_m"] - moved["min_altitude_m"] == pytest.approx(10e3, abs=100.0)
         tab.evaluate("document.getElementById('undo').click()")
         in_report(tab, f"Math.abs({place}[0] - {x}) < 1")
         assert tab.evaluate(ZONES)[0]["start_s"] == ZONE.start_s

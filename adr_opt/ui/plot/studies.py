@@ -241,7 +241,7 @@ def delta_v_spread(made: Rehearsals) -> Chart:
 
 
 def _spread(
-    found: Sequence[float], planned: float, edges: npt.NDArray[np.float64], title: str
+    found: Sequence[float], planned: float, edges: npt.NDArray[np.floating[Any]], title: str
 ) -> Chart:
     counts = np.histogram(found, edges)[0].tolist()
     lines = (

@@ -7,6 +7,7 @@ from typing import Any
 
 from ...analysis.rehearse.rehearsals import Rehearsals
 from ...common.wording import counted
+from ..plot.chart import Chart
 from ..plot.studies import delta_v_fan, delta_v_spread, prize_fan, visits_spread
 from .charts import drawn
 from .plain import page, row, section, table_of
@@ -72,13 +73,14 @@ def rehearsed_page(made: Rehearsals, told: Mapping[str, Any]) -> str:
 
 def _spreads(made: Rehearsals) -> str:
     """Charts of what differs between rehearsals."""
-    charts = {"Visits": visits_spread(made), "ΔV": delta_v_spread(made)}
-    ended = {"Visits": {len(each.course) for each in made.outcomes}}
-    ended["ΔV"] = {round(each.delta_v_m_s, 3) for each in made.outcomes}
+    charts: dict[str, tuple[Chart, set[Any]]] = {
+        "Visits": (visits_spread(made), {len(each.course) for each in made.outcomes}),
+        "ΔV": (delta_v_spread(made), {each.delta_v_m_s for each in made.outcomes}),
+    }
     return "".join(
         f"<h3>{name}</h3>{drawn(chart, f'{name} of rehearsals')}"
-        for name, chart in charts.items()
-        if len(ended[name]) > 1
+        for name, (chart, ends) in charts.items()
+        if len(ends) > 1
     )
 
 

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import threading
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -105,7 +105,7 @@ class PlannerProcess:
             self._tell(
                 "begin",
                 instance=str(folder / "instance.json"),
-                order=asdict(order),
+                order=order.model_dump(),
                 known=None if known is None else str(folder / "known.json"),
             )
             return self._count

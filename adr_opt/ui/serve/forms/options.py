@@ -82,8 +82,8 @@ class JobOption:
                 raise InputError(f"option {self.name}: must be true or false")
             return self.sign or None
         if self.kind == "number":
-            known = self._number(value)
-            return (self.sign and f"{self.sign}={known}{self.suffix}") or None
+            word = f"{self.sign}={self._number(value)}{self.suffix}"
+            return word if self.sign else None
         if not isinstance(value, str) or len(value) > self.longest:
             raise InputError(
                 f"option {self.name}: must be a text of at most {self.longest} characters"

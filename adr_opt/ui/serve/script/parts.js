@@ -3,7 +3,7 @@ import { branch, branches, stands, withBranch } from "./alternatives.js";
 import { box, button, made } from "./dom.js";
 import { dig, fieldOf, withValue } from "./field.js";
 import { follow, told } from "./store.js";
-import { post } from "./talk.js";
+import { refusal } from "./talk.js";
 
 const LISTS = { chasers: "chaser", stations: "station", keep_out_zones: "zone" };
 const SINGLE = { mission: "Mission", transfer: "Transfer", objective: "Objective" };
@@ -15,10 +15,7 @@ const built = new Map(); // by the place of an element: { key, fields, holder }
 const specsOf = (part) => told.forms.filter((spec) => spec.part === part);
 
 // A part is made of what it is when its turn comes, so that of two edits none undoes the other.
-async function change(path, make) {
-  const { refused } = await post("/edit", () => ({ part: { path, value: make() } }));
-  return refused;
-}
+const change = (path, make) => refusal(() => ({ part: { path, value: make() } }));
 
 // The fields of one element, each of which changes a copy of it and sends the whole part.
 function form(part, at, element, commit) {
@@ -155,8 +152,7 @@ function showDynamics({ instance }) {
   if (!dynamics) {
     const spec = told.forms.find(({ part }) => part === "dynamics");
     if (!spec) return;
-    dynamics = fieldOf(spec, "part-dynamics", async (value) => (
-      (await post("/edit", { dynamics: value })).refused));
+    dynamics = fieldOf(spec, "part-dynamics", (value) => refusal({ dynamics: value }));
     box("dynamics").replaceChildren(dynamics.row);
   }
   dynamics.set(instance.dynamics);

@@ -84,6 +84,9 @@ export async function send(path, content = {}) {
   return answer;
 }
 
+// The sentence that refuses an edit, for the field that it is of; empty if none does.
+export const refusal = async (content) => (await post("/edit", content)).refused;
+
 export const edit = (content) => send("/edit", content);
 
 // A job of a verb; what it makes comes by events.
