@@ -261,8 +261,8 @@ def test_a_zone_is_dragged_and_taken_back(tmp_path: Path) -> None:
         put(tab, "#limit", "5")
         tab.evaluate("document.getElementById('plan').click()")
         on_page(tab, "reported", 1)
-        in_report(tab, "document.documentElement?.dataset.complete")
-        in_report(tab, f"({shape}?.closest('section').scrollIntoView(), {shape} !== null)")
+        there = f"document.documentElement?.dataset.complete && {shape} !== null"
+        in_report(tab, f"{there} && ({shape}.closest('section').scrollIntoView(), true)")
         place = (
             f"(() => {{ const {{ x, y, width, height }} = {shape}.getBoundingClientRect();"
             " return [x + width / 2, y + height / 2]; })()"
@@ -288,7 +288,8 @@ def test_a_zone_is_dragged_and_taken_back(tmp_path: Path) -> None:
         assert moved["end_s"] - moved["start_s"] == pytest.approx(30000.0, abs=2.0)
         assert moved["max_altitude_m"] - moved["min_altitude_m"] == pytest.approx(10e3, abs=100.0)
         tab.evaluate("document.getElementById('undo').click()")
-        in_report(tab, f"Math.abs({place}[0] - {x}) < 1")
+        on_page(tab, "reported", 2)
+        in_report(tab, f"{there} && Math.abs({place}[0] - {x}) < 1")
         assert tab.evaluate(ZONES)[0]["start_s"] == ZONE.start_s
         assert [said for level, said in tab.complaints if level == "error"] == []
 
