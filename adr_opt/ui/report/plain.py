@@ -14,8 +14,10 @@ from .assets import asset
 from .text import escape
 
 
-def check_page(path: str | os.PathLike[str]) -> None:
-    """Raise :class:`InputError` in advance if a page could not be written there."""
+def check_page(path: str | os.PathLike[str] | None) -> None:
+    """Raise :class:`InputError` in advance if a page is wanted and could not be written there."""
+    if path is None:
+        return
     check_writable(path)
     if not os.fspath(path).lower().endswith((".html", ".htm")):
         raise InputError(f"{path}: the page is HTML; give a file that ends in .html")
