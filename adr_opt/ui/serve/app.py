@@ -40,7 +40,6 @@ from .requests import (
     RemoveRequest,
     ShowRequest,
     StopRequest,
-    WorthRequest,
     read_request,
 )
 from .session import EditingSession
@@ -228,10 +227,10 @@ def application(
         "/edit": lambda text: session.edit(read_edit(text)),
         "/undo": lambda text: session.undo(),
         "/redo": lambda text: session.redo(),
+        "/lift": lambda text: session.take_windows(None),
         "/plan": lambda text: session.plan(read_request(PlanningOrder, text)),
         "/sample": lambda text: backend.sample(),
         "/stop": lambda text: session.stop(),
-        "/worth": lambda text: backend.worth(read_request(WorthRequest, text)),
         "/choose": lambda text: backend.choose(read_request(ChooseRequest, text)),
         "/jobs": lambda text: backend.begin(read_request(JobRequest, text)),
         "/jobs/stop": lambda text: queue.stop(read_request(StopRequest, text).job),

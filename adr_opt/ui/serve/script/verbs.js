@@ -11,6 +11,7 @@ const verbs = new Map(); // by name: { press, panel, run, why, fields }
 function missing(needs) {
   const chosen = selection();
   const plans = chosen.filter((result) => result.has_plan).length;
+  const dropped = (what) => told.state?.files?.some((file) => file.what.includes(what));
   const absent = {
     plan: !told.state?.plan && !chosen.length && "Needs a plan: press Plan in the mission view.",
     plans: plans < 2 && "Select two plans or more in the list of results.",
@@ -18,6 +19,9 @@ function missing(needs) {
       && "Needs a certificate: prove a bound with one first.",
   };
   absent["plan or refined"] = absent.plan;
+  absent.refined = absent.plan || (!told.results.some(({ files }) => files.includes("refined.json"))
+    && "Needs a refined plan: refine the plan first.");
+  absent.catalogue = !dropped("catalogue") && "Needs a dropped catalogue of objects.";
   return needs.map((need) => absent[need]).find(Boolean) ?? "";
 }
 
@@ -47,7 +51,7 @@ function panelOf(name, { label, options = [] }) {
 function subject(needs) {
   if (needs.includes("instance")) return "";
   const chosen = selection();
-  const refined = needs.includes("plan or refined") && chosen.find(({ files }) => files.includes("refined.json"));
+  const refined = /refined/.test(needs) && chosen.find(({ files }) => files.includes("refined.json"));
   const plans = chosen.filter((result) => result.has_plan);
   const shown = told.results.filter(({ id }) => id === told.state?.result);
   const of = refined ? [refined] : plans.length ? plans.slice(0, needs.includes("plans") ? undefined : 1) : shown;
@@ -67,7 +71,7 @@ function show() {
 function build(choices) {
   verbs.clear();
   for (const [name, verb] of Object.entries(choices.verbs ?? {})) {
-    if (name === "worth" || name === "replan") continue; // have places of their own
+    if (["worth", "replan", "windows"].includes(name)) continue; // have places of their own
     verbs.set(name, panelOf(name, verb));
   }
   const all = [...verbs.values()];
