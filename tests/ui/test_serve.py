@@ -71,7 +71,7 @@ def let_in(desk: EditingSession, **more: Any) -> Any:
     return client
 
 
-CHANGES = "edit undo redo plan stop sample upload worth choose jobs/stop show files/remove"
+CHANGES = "edit undo redo plan stop sample upload lift choose jobs/stop show files/remove"
 POSTS = [f"/{name}" for name in CHANGES.split()]
 """Addresses that nothing is got from."""
 

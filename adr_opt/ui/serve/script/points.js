@@ -25,8 +25,8 @@ export function plot(id, told, mark = null) {
   });
   const known = told.points.filter(({ values, prize: value }) => values[across] !== null && value !== null);
   if (!known.length) return svg;
-  const across_ = known.map(({ values }) => values[across]);
-  const x = around(mark === null ? across_ : [...across_, mark], 0.06, LEFT, WIDTH - RIGHT);
+  const places = known.map(({ values }) => values[across]);
+  const x = around(mark === null ? places : [...places, mark], 0.06, LEFT, WIDTH - RIGHT);
   const y = around(known.flatMap((point) => [point.prize, point.bound ?? point.prize]), 0.06, HEIGHT - BOTTOM, TOP);
   svg.append(...axes(x, y));
   if (mark !== null) {
