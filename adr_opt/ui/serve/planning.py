@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, Protocol
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -116,23 +116,12 @@ def finite(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-class PlannedRun(Protocol):
-    """The part of a result that is kept of a run."""
+class PlannedRun(NamedTuple):
+    """The part of a result that is kept of a run: its plan, what is proven of it, and remarks."""
 
-    @property
-    def plan(self) -> Plan | None:
-        """The plan; None if there is none."""
-        ...
-
-    @property
-    def status(self) -> str:
-        """What is proven of it."""
-        ...
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Remarks of the method."""
-        ...
+    plan: Plan | None
+    status: str
+    notes: tuple[str, ...]
 
 
 Done = Callable[[Instance, PlannedRun], str]
