@@ -26,7 +26,7 @@ from adr_opt.problem.instance import Instance
 from adr_opt.run import front
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.planning import PlanningOrder
+from adr_opt.ui.serve.planning import PlannedRun, PlanningOrder
 from adr_opt.ui.serve.session import EditingSession
 from adr_opt.ui.serve.work import Work
 
@@ -345,8 +345,9 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
     monkeypatch.chdir(tmp_path)
     results: list[tuple[str, float]] = []
 
-    def done(instance: Instance, result: Result) -> str:
-        results.append((instance.name, result.objective))
+    def done(instance: Instance, result: PlannedRun) -> str:
+        assert result.plan is not None
+        results.append((instance.name, result.plan.objective))
         return "well"
 
     made, field = Work(done), adr_opt.generate("tiny", 0)
