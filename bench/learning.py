@@ -8,6 +8,7 @@ python bench/learning.py flown --width 64
 python bench/learning.py prior --fields 20
 python bench/learning.py rivals
 python bench/learning.py offline --out offline.npz
+python bench/learning.py ablation --steps 131072
 python bench/learning.py bounds reduced-time reduced-fuel --fields 12
 """
 
@@ -19,10 +20,12 @@ import math
 import re
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from statistics import fmean, median, stdev
+from tempfile import TemporaryDirectory
 from typing import Any, cast
 
 import numpy as np
@@ -48,6 +51,7 @@ from adr_opt.learning.environment.fields import FIRST_SEED
 from adr_opt.learning.episodes import Board
 from adr_opt.learning.evaluation import digest, evaluate, splits
 from adr_opt.learning.held import FAMILIES as HELD_FAMILIES
+from adr_opt.learning.held import HeldFields
 from adr_opt.learning.policy import SHIPPED, load_policy
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.uncertainty import Uncertainty
@@ -406,6 +410,42 @@ def offline(out: str = "offline.npz", fields: int = 12, limit: float = 60.0) -> 
     print(f"{out}: {made} fields of {card['tried']}, {len(arrays['action'])} states")
 
 
+FRESH_SEED = 8_100_000
+"""First seed of the fields of :func:`ablation`."""
+
+
+def ablation(steps: int = 131_072, seeds: int = 1, fields: int = 50) -> None:
+    """What rate, observation and sharing of weights are worth at equal steps on nominal fields."""
+    from adr_opt.learning.training.configs import POLICY, PUBLISHED_CONFIG
+    from adr_opt.learning.training.trainer import train
+
+    ours = replace(POLICY, fields=PUBLISHED_CONFIG.fields, models=(), steps=steps, slots=48)
+    flat = replace(ours, network=PUBLISHED_CONFIG.network)
+    slow, absolute = {"rate": PUBLISHED_CONFIG.rate}, {"observation": "published"}
+    arms = {
+        ("shared", "choices"): ours,
+        ("shared", "choices "): replace(ours, **slow),
+        ("none", "choices"): flat,
+        ("none", "absolute elements"): replace(flat, **absolute),
+        ("none", "absolute elements "): replace(flat, **absolute, **slow),
+        ("published, none", "absolute elements"): replace(PUBLISHED_CONFIG, steps=steps, slots=48),
+    }
+    head("weights of moves", "observation", "rate", "steps", "visits on fresh fields, by seed")
+    held = HeldFields(FRESH_SEED, fields)
+    for (sharing, seen), config in arms.items():
+        visits = []
+        for seed in range(1, 1 + seeds):
+            with TemporaryDirectory() as folder:
+                told: dict[str, float] = {}
+
+                def report(_: int, means: Mapping[str, float], to: Any = told) -> None:
+                    to.update(means)
+
+                train(config, Path(folder), seed=seed, report=report, held=held)
+                visits.append(f"{told['nominal']:.2f}")
+        row(sharing, seen.strip(), f"{config.rate:g}", steps, ", ".join(visits))
+
+
 def bounds(*families: str, block: str = "test", fields: int = 12, limit: float = 60.0) -> None:
     """Write digests of a block, and bounds of the exact method for its first fields, to the splits.
 
@@ -438,6 +478,16 @@ def bounds(*families: str, block: str = "test", fields: int = 12, limit: float =
 if __name__ == "__main__":
     sys.exit(
         experiment(
-            __doc__, environment, curve, evaluated, decisions, flown, prior, rivals, offline, bounds
+            __doc__,
+            environment,
+            curve,
+            evaluated,
+            decisions,
+            flown,
+            prior,
+            rivals,
+            offline,
+            ablation,
+            bounds,
         )
     )

@@ -3,9 +3,11 @@
 python bench/rehearsals.py speed
 python bench/rehearsals.py scenarios --rehearsals 100 --worlds 30 --limit 20
 python bench/rehearsals.py robust --count 5 --limit 60
+python bench/rehearsals.py charges --count 5000
 python bench/rehearsals.py campaign CATALOGUE --limit 60 --replanned 20 --worlds 5
 python bench/rehearsals.py replan --seeds 0 1 2 --days 2 3 4
 python bench/rehearsals.py paired --fields 3 --worlds 10
+python bench/rehearsals.py expected --fields 3
 """
 
 from __future__ import annotations
@@ -24,12 +26,16 @@ from tables import experiment, head, row, timed
 import adr_opt
 from adr_opt.analysis import replan as replanned_by
 from adr_opt.analysis.rehearse.bounds import bounds
+from adr_opt.analysis.rehearse.rehearsals import Rehearsals
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.rehearse.tries import TryWorths
+from adr_opt.analysis.robust.expected import expected as expected_plan
 from adr_opt.analysis.robust.robust import robust as robust_plan
 from adr_opt.common.clock import count_processor_time
 from adr_opt.common.constants import DAY_S
+from adr_opt.legs.corrections import Moments, RiskCharge
 from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import KeepOutZone
 from adr_opt.problem.uncertainty import Uncertainty
@@ -227,6 +233,27 @@ def worth(instance: Instance, plan: Plan, uncertainty: Uncertainty) -> float:
     return math.fsum(worths.most(number[name]) for name in plan.destinations if name in targets)
 
 
+def charges(count: int = 5000) -> None:
+    """What the charges on legs take of drawn tanks that are just kept (docs/model.md, 13.4)."""
+    rng, taken = np.random.default_rng(0), []
+    while len(taken) < count:
+        legs, score = int(rng.integers(1, 20)), float(rng.uniform(0.0, 3.5))
+        factor, sigma = np.exp(rng.uniform(-0.1, 0.1, legs)), rng.uniform(0.0, 0.3, legs)
+        size = rng.exponential(1.0, legs) ** rng.uniform(0.3, 2.0)
+        # Without a share that can be used, what a tank has to hold grows with its legs.
+        full = float((factor * size).sum() + score * np.sqrt(((sigma * size) ** 2).sum()))
+        factors = {
+            (str(leg), "short"): Moments(float(factor[leg]), float(sigma[leg]))
+            for leg in range(legs)
+        }
+        charge = RiskCharge(score, full, factors=factors)
+        total = sum(float(charge.charged(str(leg), "short", size[leg])) for leg in range(legs))
+        taken.append(total / full)
+    head("tanks", "5 % take less than", "half take less than", "most")
+    low, middle = np.quantile(taken, [0.05, 0.5])
+    row(count, f"{low:.1%}", f"{middle:.1%}", f"{max(taken):.4%}")
+
+
 def campaign(
     catalogue: Path,
     limit: float = 60.0,
@@ -327,8 +354,18 @@ PAIRED = {
 """Scenarios in which replanning is compared with following."""
 
 
+def drawn(family: str, seed: int, targets: int) -> Instance:
+    """A field of a family; ``one-tank`` is ``reduced-time`` without its station, with 600 m/s."""
+    if family != "one-tank":
+        return adr_opt.generate(family, seed, targets=targets)
+    made = adr_opt.generate("reduced-time", seed, targets=targets)
+    start = InOrbit(orbit=made.stations[0].orbit)
+    chaser = made.chaser.replace(start=start, end="anywhere", tank=Tank(delta_v_m_s=600.0))
+    return made.replace(stations=(), chasers=(chaser,))
+
+
 def paired(
-    families: tuple[str, ...] = ("nominal", "reduced-time", "reduced-fuel"),
+    families: tuple[str, ...] = ("nominal", "reduced-time", "reduced-fuel", "one-tank"),
     scenarios: tuple[str, ...] = tuple(PAIRED),
     policy: str = "replan",
     targets: int = 50,
@@ -350,7 +387,7 @@ def paired(
         (family, seed): (instance, adr_opt.solve(instance, time_limit=limit).plan)
         for family in families
         for seed in range(first_field, first_field + fields)
-        for instance in (adr_opt.generate(family, seed, targets=targets),)
+        for instance in (drawn(family, seed, targets),)
     }
     means = list[float]()
     for family, name in ((family, name) for family in families for name in scenarios):
@@ -384,5 +421,68 @@ def paired(
     print(f"\n{mean(means):+.3f} in the mean of {len(means)} settings, {min(means):+.3f} at worst")
 
 
+def expected(
+    scenarios: tuple[str, ...] = ("captures", "slow"),
+    targets: int = 50,
+    fields: int = 3,
+    first_field: int = 600,
+    limit: float = 60.0,
+    followed: int = 500,
+    replanned: int = 10,
+    worlds: int = 5,
+    bound_limit: float = 30.0,
+    confidence: float = 0.9,
+) -> None:
+    """Plans for the expected prize beside plain ones and those with a confidence, in new worlds.
+
+    Nominal fields in scenarios of ``scenarios``. The gap is that of the plan replanned to the
+    penalised bound on every policy, of which penalties price time at what the plain plan collects
+    in a day. Limits count processor time.
+    """
+    count_processor_time()
+    head(
+        *("field", "scenario", "plain, followed", f"kept with {confidence:g}", "expected, stated"),
+        *("followed", "replanned", "bound", "gap followed", "gap replanned"),
+    )
+    for seed, name in (
+        (seed, name) for seed in range(first_field, first_field + fields) for name in scenarios
+    ):
+        instance, world = adr_opt.generate("nominal", seed, targets=targets), SCENARIOS[name]
+        plain = adr_opt.solve(instance, time_limit=limit).plan
+        kept_plan = robust_plan(instance, world, confidence, time_limit=limit).plan
+        made = expected_plan(instance, world, time_limit=limit).plan
+        assert plain is not None
+        assert made is not None
+        assert made.expected is not None
+
+        def flown(plan: Plan, policy: str, samples: int) -> Rehearsals:
+            return rehearse(instance, plan, world, policy=policy, samples=samples)  # noqa: B023
+
+        runs = [flown(made, "follow", followed), flown(made, "replan", replanned)]
+        price = plain.objective / (instance.mission.duration_s / DAY_S)
+        bounded = bounds(
+            instance,
+            world,
+            samples=worlds,
+            method="lagrangian",
+            time_limit=bound_limit,
+            time_price=price,
+        )
+        told = [_mean(run.to_dict()["expected_prize"]) for run in runs]
+        others = [
+            "none"
+            if plan is None
+            else _mean(flown(plan, "follow", followed).to_dict()["expected_prize"])
+            for plan in (plain, kept_plan)
+        ]
+        row(
+            *(instance.name, name, *others, f"{made.expected.prize:.2f}", *told),
+            _mean(bounded.to_dict()["penalised"]),
+            *(_gap(bounded.gaps(run).get("penalised")) for run in runs),
+        )
+
+
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, speed, scenarios, robust, campaign, replan, paired))
+    sys.exit(
+        experiment(__doc__, speed, scenarios, robust, charges, campaign, replan, paired, expected)
+    )

@@ -18,7 +18,7 @@ from ..mission.mission import Mission
 from ..mission.problem import Problem, problem_of
 from ..plan.plan import Leg, Plan
 from ..problem.instance import AnyInstance, Instance
-from ..problem.rules import CAMPAIGNS, FIRST, MODELLED, Follower
+from ..problem.rules import CAMPAIGNS, FIRST, MODELLED, RELEASES, Follower
 from ..problem.support import followed
 from ..run.legal_moves import why_illegal
 from .remedies import Remedy, Shortfall, missing, remedies
@@ -138,7 +138,14 @@ class PricedOrder(Shown):
         }
 
 
-FOLLOWS = Follower("price", FIRST | CAMPAIGNS | MODELLED | {"functions of time", "capture windows"})
+FOLLOWS = Follower(
+    "price",
+    FIRST
+    | CAMPAIGNS
+    | MODELLED
+    | RELEASES
+    | {"functions of time", "capture windows", "end of life"},
+)
 
 
 def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedOrder:

@@ -447,21 +447,21 @@ class Chaser(Record):
         return self
 
     @model_validator(mode="after")
-    def _begins_with_it(self) -> Self:
-        if self.spent_m_s > 0.0 and isinstance(self.start, AtStation):
-            raise ValueError(
-                "field tank: its content at the start is given, but a station fills it; start in "
-                "an orbit, or leave it out"
-            )
-        return self
-
-    @model_validator(mode="after")
     def _keeps_no_more_than_it_has(self) -> Self:
         most = self.tank.delta_v_m_s - self.tank.spent_with_m_s(0.0, self.most_kg)
         if self.end_of_life_m_s is not None and self.end_of_life_m_s >= most:
             raise ValueError(
                 f"end_of_life_m_s = {self.end_of_life_m_s!r}: the tank has {most:g} m/s at the "
                 "start; keep less of it"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _begins_with_it(self) -> Self:
+        if self.spent_m_s > 0.0 and isinstance(self.start, AtStation):
+            raise ValueError(
+                "field tank: its content at the start is given, but a station fills it; start in "
+                "an orbit, or leave it out"
             )
         return self
 

@@ -88,13 +88,40 @@ class Instance(Shown, InstanceFile):
             made._given = self._given
         if made.windows == self.windows:
             made._windows = self._windows
+            return made._with_windows_of_targets()
         return made
+
+    def _with_windows_of_targets(self) -> Self:
+        """The same instance without windows of targets that it does not have, in a file of its own.
+
+        A file that names others could not be read again beside it.
+        """
+        if self.windows is None or self._windows is None:
+            return self
+        names = {target.name for target in self.targets}
+        every = self._windows.intervals
+        if every.keys() <= names:
+            return self
+        left = file_of({name: every[name] for name in every if name in names})
+        stem = Path(self.windows.file).stem
+        return self.with_windows(left, f"{stem}-{left.sha256[:8]}.csv")
 
     def known_as(self, chasers: tuple[Chaser, ...]) -> Self:
         """The same mission with chasers that have been launched; it keeps its SHA-256."""
         made = self.replace(chasers=chasers)
         made._known_as = self.sha256
         return made
+
+    def without_reserves(self) -> Self:
+        """The same mission with what chasers may burn as their tanks; it keeps its SHA-256.
+
+        What they keep for their own disposal then counts as dry mass, as it does for planners.
+        """
+        if all(chaser.end_of_life_m_s is None for chaser in self.chasers):
+            return self
+        return self.known_as(
+            tuple(each.replace(tank=each.usable, end_of_life_m_s=None) for each in self.chasers)
+        )
 
     @property
     def sha256(self) -> str:
@@ -194,6 +221,15 @@ class Instance(Shown, InstanceFile):
         reference = WindowFile(file=file, sha256=windows.sha256)
         return self.replace(targets=targets, windows=reference)._reading(windows)
 
+    def with_windows_of(self, other: Instance) -> Self:
+        """The same instance with the windows and captures of another one of the same targets."""
+        names = "window_s", "windows_s", "capture_s"
+        own = {each.name: {name: getattr(each, name) for name in names} for each in other.targets}
+        targets = tuple(target.replace(**own.get(target.name, {})) for target in self.targets)
+        made = self.replace(targets=targets, windows=other.windows)
+        made._windows = other._windows
+        return made._with_windows_of_targets()
+
     def _reading(self, windows: FileWindows) -> Self:
         """Take the windows that the field names."""
         assert self.windows is not None
@@ -204,6 +240,22 @@ class Instance(Shown, InstanceFile):
             )
         self._windows = windows
         return self
+
+    @property
+    def windows_read(self) -> FileWindows | None:
+        """The file of windows; None if windows stand at the targets.
+
+        Raises
+        ------
+        InputError
+            It was not read.
+        """
+        if self.windows is not None and self._windows is None:
+            raise InputError(
+                f"the windows of {self.name!r} are in {self.windows.file!r}, which was not read; "
+                "read the instance with adr_opt.load from a file beside it"
+            )
+        return self._windows
 
     def is_limited(self, target: Target) -> bool:
         """Whether services of a target may begin at some times only."""
@@ -217,14 +269,10 @@ class Instance(Shown, InstanceFile):
         InputError
             They are in a file that was not read.
         """
-        if self.windows is None:
+        windows = self.windows_read
+        if windows is None:
             return intervals_of(target.windows)
-        if self._windows is None:
-            raise InputError(
-                f"the windows of {self.name!r} are in {self.windows.file!r}, which was not read; "
-                "read the instance with adr_opt.load from a file beside it"
-            )
-        return self._windows.intervals.get(target.name, np.empty((0, 2)))
+        return windows.intervals.get(target.name, np.empty((0, 2)))
 
     def with_own_windows(self, target: Target) -> Target:
         """A target whose windows stand in the file, with them as its own."""

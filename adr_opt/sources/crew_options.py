@@ -23,10 +23,12 @@ class Fitting(NamedTuple):
     isp: float | None
     kits: int | None
     kit_mass: float | None
+    kit_isp: float | None
     tow: float | None
     disposal_altitude: float | None
     disposal_perigee: float | None
     max_lifetime: float | None
+    max_uncontrolled: float | None
 
     @property
     def disposal(self) -> Disposal | None:
@@ -50,7 +52,8 @@ class Fitting(NamedTuple):
         ------
         InputError
         """
-        check_positive(**self._asdict())
+        check_positive(**self._replace(max_uncontrolled=None)._asdict())
+        check_not_negative(max_uncontrolled=self.max_uncontrolled)
         if self.kit_mass is not None and self.kits is None and not kits:
             raise InputError("--kit-mass: there are no kits; give their number with --kits")
         masses = (self.dry_mass, self.propellant, self.isp)
@@ -63,25 +66,31 @@ class Fitting(NamedTuple):
             )
 
     def _check_tow(self, *, knows_masses: bool) -> None:
-        of_tows = ("disposal_altitude", "disposal_perigee", "max_lifetime")
+        of_tows = ("disposal_altitude", "disposal_perigee", "max_lifetime", "max_uncontrolled")
         given = [_option(name) for name in of_tows if getattr(self, name) is not None]
-        if self.tow is None:
+        if self.kit_isp is not None and self.kits is None:
+            raise InputError("--kit-isp: there are no kits; give their number with --kits")
+        releases = "--tow" if self.tow is not None else "--kit-isp"
+        if self.tow is None and self.kit_isp is None:
             if given:
-                raise InputError(f"{given[0]}: nothing is towed; give the mass with --tow")
+                raise InputError(
+                    f"{given[0]}: nothing is towed; give the mass with --tow, or the specific "
+                    "impulse of kits with --kit-isp"
+                )
             return
         if self.disposal is None:
             raise InputError(
-                "--tow: no disposal orbit; give --disposal-altitude or --disposal-perigee"
+                f"{releases}: no disposal orbit; give --disposal-altitude or --disposal-perigee"
             )
         if given[:2] == ["--disposal-altitude", "--disposal-perigee"]:
             raise InputError(
                 "--disposal-perigee: the disposal orbit is a circle; leave --disposal-altitude out"
             )
-        if self.kits is not None:
+        if self.tow is not None and self.kits is not None:
             raise InputError("--tow: a target takes a kit or is towed; leave --kits or --tow out")
         if not knows_masses:
             raise InputError(
-                "--tow: the tank is given in ΔV, without masses; give --dry-mass, "
+                f"{releases}: the tank is given in ΔV, without masses; give --dry-mass, "
                 "--propellant and --isp"
             )
 
@@ -145,6 +154,7 @@ class CrewOptions(NamedTuple):
     launch_separation: float | None
     launch_into: str | None
     launcher: str | None
+    end_of_life: float | None
     expense: str | None
     thrust: float | None
     duty_cycle: float | None
@@ -173,7 +183,11 @@ class CrewOptions(NamedTuple):
         from .catalogue import Crew
         from .catalogue.crew import APART_S
 
-        check_positive(launches=self.launches, launch_separation=self.launch_separation)
+        check_positive(
+            launches=self.launches,
+            launch_separation=self.launch_separation,
+            end_of_life=self.end_of_life,
+        )
         check_not_negative(launch_every=self.launch_every, service_days=self.service_days)
         for option, value in (
             ("--launch-every", self.launch_every),
@@ -195,11 +209,14 @@ class CrewOptions(NamedTuple):
             apart_s=usual_s if self.launch_every is None else DAY_S * self.launch_every,
             kits=fitting.kits,
             kit_mass_kg=fitting.kit_mass or 0.0,
+            kit_isp_s=fitting.kit_isp,
             expense=self._expense(tank),
             separation_s=None if separation is None else DAY_S * separation,
             towed_kg=fitting.tow,
             disposal=fitting.disposal,
             max_lifetime_years=fitting.max_lifetime,
+            max_uncontrolled_kg=fitting.max_uncontrolled,
+            end_of_life_m_s=self.end_of_life,
             service_s=None if self.service_days is None else DAY_S * self.service_days,
             thrust_n=self.thrust,
             duty_cycle=self.duty_cycle,

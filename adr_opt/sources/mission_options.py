@@ -178,6 +178,7 @@ OPTIONS = {
     "dry_mass_kg": "--dry-mass",
     "duration_s": "--duration-days",
     "duty_cycle": "--duty-cycle",
+    "end_of_life_m_s": "--end-of-life",
     "isp_s": "--isp",
     "keep_out_m": "--keep-out",
     "kit_mass_kg": "--kit-mass",
@@ -185,6 +186,7 @@ OPTIONS = {
     "launch_separation_s": "--launch-separation",
     "max_drift_s": "--max-drift-days",
     "max_lifetime_years": "--max-lifetime",
+    "max_uncontrolled_kg": "--max-uncontrolled",
     "perigee_m": "--disposal-perigee",
     "propellant_kg": "--propellant",
     "semi_major_axis_m": "--station",
@@ -194,7 +196,7 @@ OPTIONS = {
 }
 """Options of ``import`` by the last key of the fields that they fill."""
 
-_FIELD = re.compile(r"^(?:\w+: )?(?:field )?(?:[\w\[\]]+\.)*(\w+)((?:\[\d+\])? = \S+):")
+_FIELD = re.compile(r"^(?:\w+: )?(?:field |the file )?(?:[\w\[\]]+\.)*(\w+)((?:\[\d+\])? = \S+):")
 
 
 def by_option(said: str) -> str:

@@ -19,9 +19,11 @@ from adr_opt.analysis.disposal.casualties import MILLIONS, density_below
 from adr_opt.analysis.disposal.reentry import ENTRY_M, lowering, reentry, to_apogee
 from adr_opt.common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from adr_opt.common.errors import InputError
+from adr_opt.plan.kit_sizes import disposal_m_s, with_sized_kits
 from adr_opt.plan.lifetimes import lifetimes_years
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.tows import removals_of
+from adr_opt.problem.disposal import DisposalCircle, DisposalPerigee
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.instance import Instance
 
@@ -186,6 +188,41 @@ def test_a_kit_is_held_to_what_it_has_to_have() -> None:
             assert fate.propellant_kg == pytest.approx(burnt)
             assert fate.controlled
             assert fate.meets == (kit_kg > burnt)
+
+
+@pytest.mark.parametrize("disposal", [{"perigee_m": 50e3}, {"circle_m": 560e3}])
+def test_sized_kits_hold_what_their_disposal_takes(disposal: dict[str, float]) -> None:
+    """They hold the largest need, and `dispose` finds that of each on its true orbit."""
+    drawn, _ = disposing()
+    targets = tuple(
+        target.replace(removal="kit", disposal=None, mass_kg=100.0 + 20.0 * at)
+        for at, target in enumerate(drawn.targets)
+    )
+    chaser = drawn.chaser.replace(kits=6, kit_mass_kg=12.0)
+    mission = drawn.mission.replace(disposal=None)
+    dry = drawn.replace(targets=targets, chasers=(chaser,), mission=mission)
+    to = DisposalPerigee(**disposal) if "perigee_m" in disposal else DisposalCircle(**disposal)
+    sized = with_sized_kits(dry, 220.0, to)
+    plan = adr_opt.solve(sized, "greedy").plan
+    assert plan is not None
+    kits = [fate for fate in fates(sized, plan, kit_isp_s=220.0) if fate.how == "kit"]
+    assert len(kits) == len(plan.destinations)
+    exhaust_m_s, whole_kg = 220.0 * 9.80665, sized.chaser.kit_mass_kg
+    needs = [
+        (each.mass_kg + 12.0) * math.expm1(disposal_m_s(each) / exhaust_m_s)
+        for each in sized.targets
+    ]
+    assert whole_kg == pytest.approx(12.0 + max(needs))
+    for fate in kits:
+        target = next(each for each in sized.targets if each.name == fate.name)
+        share = -math.expm1(-disposal_m_s(target) / exhaust_m_s)
+        assert fate.propellant_kg == pytest.approx((target.mass_kg + whole_kg) * share, rel=0.02)
+        assert fate.propellant_kg < 1.02 * (whole_kg - 12.0)
+    unknown = dry.replace(targets=(targets[0].replace(mass_kg=None), *targets[1:]))
+    with pytest.raises(InputError, match="its mass is not known"):
+        with_sized_kits(unknown, 220.0, to)
+    with pytest.raises(InputError, match="give its disposal"):
+        with_sized_kits(dry, 220.0)
 
 
 def test_the_verb_writes_a_report(cli: Cli) -> None:

@@ -26,6 +26,7 @@ from adr_opt.analysis.replan import remaining_plan
 from adr_opt.common.errors import InputError
 from adr_opt.plan.plan import InstanceReference, Plan
 from adr_opt.problem.chasers import Tank
+from adr_opt.problem.disposal import DisposalPerigee
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.problem.world import DrawnWorld
@@ -38,6 +39,24 @@ def tiny() -> tuple[Instance, Plan]:
     instance = adr_opt.generate("tiny", 0, targets=12)
     instance = instance.replace(chasers=(instance.chaser.replace(tank=Tank(delta_v_m_s=1000.0)),))
     return instance, adr_opt.solve(instance, "beam").plan
+
+
+@cache
+def kept() -> tuple[Instance, Plan]:
+    """The same with a part of the tank kept, and more prizes than the rest of it is enough for."""
+    instance, _ = tiny()
+    chaser = instance.chaser.replace(end_of_life_m_s=400.0)
+    instance = instance.replace(chasers=(chaser,))
+    return instance, adr_opt.solve(instance, "beam").plan
+
+
+@cache
+def released() -> tuple[Instance, Plan]:
+    """Tows of objects that have to come down under control."""
+    instance = towed_fields.field()
+    mission = {"disposal": DisposalPerigee(perigee_m=50e3), "max_uncontrolled_kg": 10.0}
+    instance = instance.replace(mission=instance.mission.replace(**mission))
+    return instance, adr_opt.solve(instance, time_limit=5.0).plan
 
 
 @cache
@@ -58,7 +77,8 @@ def flown(instance: Instance, plan: Plan, policy: str, uncertainty: Uncertainty,
     [
         ("single", "beam"),  # of the others it may find a better plan
         *product(
-            ("single", "campaign", "launched", "towed"), ("follow", "skip", "replan", "learned")
+            ("single", "campaign", "launched", "towed", "kept", "released"),
+            ("follow", "skip", "replan", "learned"),
         ),
     ],
 )
@@ -69,6 +89,8 @@ def test_without_uncertainty_every_policy_flies_the_plan(kind: str, policy: str)
         "campaign": lambda: (two_chasers.campaign(), two_chasers.planned()),
         "launched": lambda: (launched.campaign(), launched.planned()),
         "towed": towed,
+        "kept": kept,
+        "released": released,
     }[kind]()
     made, outcome = flown(instance, plan, policy, CERTAIN)
     names = instance.names

@@ -12,11 +12,13 @@ from drawn_worlds import LATE, all_flown, drawn_uncertainty
 from plans import unjudged
 from random_rules import (
     captured,
+    disposing_mission,
     drifting_mission,
     given_field,
     mixed_campaign,
     random_campaign,
     random_mission,
+    reserving,
     towing_mission,
 )
 from roomy_fields import roomy_launched
@@ -44,6 +46,11 @@ def _captured(seed: int) -> Instance:
     return captured((random_mission, towing_mission, mixed_campaign)[seed % 3](seed), seed)
 
 
+def _reserving(seed: int) -> Instance:
+    """Parts of tanks are kept, and objects are released for a time or under control."""
+    return reserving((random_mission, disposing_mission, mixed_campaign)[seed % 3](seed), seed)
+
+
 @over_kinds(
     "draw, seeds",
     single=(random_mission, range(40), 3),
@@ -55,6 +62,7 @@ def _captured(seed: int) -> Instance:
     towing=(towing_mission, range(20), 2),
     kits=(campaign_with_cargo, range(20), 2),
     captured=(_captured, range(60), 3),
+    reserving=(_reserving, range(60), 2),
 )
 def test_no_policy_exceeds_a_bound_in_any_world(draw, seeds) -> None:  # type: ignore[no-untyped-def]
     """Neither its prize that of perfect information, nor what its tries are worth the penalised."""

@@ -32,22 +32,30 @@ ZONE = KeepOutZone(
 
 
 @cache
-def tiny(seed: int = 0, *, by_mass: bool = False) -> tuple[Instance, Plan]:
+def tiny(
+    seed: int = 0, *, by_mass: bool = False, kept_m_s: float | None = None
+) -> tuple[Instance, Plan]:
     """A tiny field of two days with a small tank, so that it has to refuel, and its plan."""
     instance = adr_opt.generate("tiny", seed, targets=8).with_limits(2.0 * DAY_S, 500.0)
     if by_mass:
         tank = TankByMass(dry_mass_kg=400.0, propellant_kg=72.0, isp_s=310.0)
         instance = instance.replace(chasers=(instance.chaser.replace(tank=tank),))
+    chaser = instance.chaser.replace(end_of_life_m_s=kept_m_s)
+    instance = instance.replace(chasers=(chaser,))
     plan = adr_opt.solve(instance, "exact", time_limit=30.0).plan
     assert plan is not None
     return instance, plan
 
 
-@pytest.mark.parametrize("by_mass", [False, True])
+@pytest.mark.parametrize(
+    ("by_mass", "kept_m_s"), [(False, None), (True, None), (False, 120.0), (True, 120.0)]
+)
 @pytest.mark.parametrize("seed", range(3))
-def test_what_is_flown_and_the_rest_are_one_mission(seed: int, by_mass: bool) -> None:
+def test_what_is_flown_and_the_rest_are_one_mission(
+    seed: int, by_mass: bool, kept_m_s: float | None
+) -> None:
     """At any time, with a zone or without, both together pass `check` on the whole instance."""
-    instance, plan = tiny(seed, by_mass=by_mass)
+    instance, plan = tiny(seed, by_mass=by_mass, kept_m_s=kept_m_s)
     for at_s in np.linspace(0.0, instance.mission.duration_s, 7):
         for zones in ((), (ZONE,)):
             if any(zone.start_s < at_s for zone in zones):

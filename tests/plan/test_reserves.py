@@ -6,11 +6,12 @@ import math
 
 import pytest
 from against_enumeration import held, held_costs
-from random_rules import reserving_campaign, reserving_mission
+from random_rules import disposing_mission, reserving_campaign, reserving_mission
 from seeds import over_kinds, over_seeds
 from towed_fields import TANK, field
 
 import adr_opt
+from adr_opt.analysis import price
 from adr_opt.common.errors import InputError
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.chasers import Tank, TankByMass
@@ -47,6 +48,22 @@ def test_the_reserve_alone_makes_the_difference(*, seed: int) -> None:
     assert broken <= {"delta-v", "upper-bound", "cost-bound", "connection"}
     if kept.objective < whole.objective:
         assert "delta-v" in broken
+
+
+@over_kinds(
+    "draw, seeds", kept=(reserving_mission, range(40), 4), left=(disposing_mission, range(40), 3)
+)
+def test_an_order_is_priced_as_it_is_planned(draw, seeds) -> None:  # type: ignore[no-untyped-def]
+    """`price` keeps the reserve and releases objects by the same rules as planners."""
+    for seed in seeds:
+        instance = draw(seed)
+        plan = adr_opt.solve(instance, "greedy").plan
+        if plan is None or instance.objective.cost != "delta-v":
+            continue
+        made = price(instance, plan)
+        assert made.holds, seed
+        assert made.plan().cost <= plan.cost + 1e-6, seed
+        assert adr_opt.check(instance, made.plan()) == (), seed
 
 
 def test_a_reserve_is_propellant_of_the_empty_chaser() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from catalogue_files import field
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.plan.cargo import loads_of
+from adr_opt.plan.kit_sizes import disposal_m_s
 from adr_opt.problem.chasers import Expense, Tank, TankByMass
 from adr_opt.problem.disposal import DisposalCircle, DisposalPerigee
 from adr_opt.sources import catalogue
@@ -149,13 +151,34 @@ def test_tows_reach_the_instance(imported) -> None:
         ("--disposal-altitude", DisposalCircle(circle_m=450.5e3)),
         ("--disposal-perigee", DisposalPerigee(perigee_m=450.5e3)),
     ):
-        outcome = imported(*MASSES, "--tow", "900", option, "450.5", "--max-lifetime", "25")
+        rules = "--max-lifetime", "25", "--max-uncontrolled", "500", "--end-of-life", "120"
+        outcome = imported(*MASSES, "--tow", "900", option, "450.5", *rules)
         assert outcome.status == 0, outcome
         instance = adr_opt.load("out.json")
         assert instance.mission.disposal == disposal
         assert instance.mission.max_lifetime_years == 25.0
+        assert instance.mission.max_uncontrolled_kg == 500.0
+        assert {chaser.end_of_life_m_s for chaser in instance.chasers} == {120.0}
         assert {(target.removal, target.mass_kg) for target in instance.targets} == {("tow", 900.0)}
         assert loads_of(instance, instance.chaser, 0.0) is not None
+
+
+def test_kits_are_sized_by_what_they_lead_to(imported) -> None:
+    """Each target has the disposal, and kits hold the propellant of the one that takes most."""
+    rows = [f"{record.number},{300 + 10 * at}" for at, record in enumerate(RECORDS)]
+    Path("m.csv").write_text("\n".join(["object,mass", *rows]) + "\n")
+    kits = "--kits", "3", "--kit-mass", "20", "--kit-isp", "220", "--disposal-perigee", "50"
+    outcome = imported(*MASSES, *kits, "--prizes", "m.csv", "--max-lifetime", "25")
+    assert outcome.status == 0, outcome
+    instance = adr_opt.load("out.json")
+    assert instance.mission.disposal is None
+    assert {target.disposal for target in instance.targets} == {DisposalPerigee(perigee_m=50e3)}
+    needs = [
+        (target.mass_kg + 20.0) * math.expm1(disposal_m_s(target) / (220.0 * 9.80665))
+        for target in instance.targets
+    ]
+    assert instance.chaser.kit_mass_kg == pytest.approx(20.0 + max(needs))
+    assert imported(*MASSES, *kits).err.endswith("its mass is not known, by which kits are sized\n")
 
 
 def test_a_distance_to_keep_reaches_the_instance(imported) -> None:
@@ -203,6 +226,8 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
         (("--expense", "-1"), "--expense '-1': "),
         (("--expense", "1,2"), "--expense: the tank is given in ΔV, without masses"),
         (("--kits", "-1"), "--kits = -1"),
+        (("--kit-isp", "220"), "--kit-isp: there are no kits"),
+        (("--kits", "3", "--kit-isp", "220"), "--kit-isp: no disposal orbit"),
         (("--kit-mass", "3"), "--kit-mass: there are no kits"),
         (("--tow", "0"), "--tow = 0"),
         (("--tow", "900"), "--tow: no disposal orbit"),
@@ -211,6 +236,10 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
         (("--disposal-altitude", "500"), "nothing is towed"),
         (("--disposal-perigee", "50"), "--disposal-perigee: nothing is towed"),
         (("--max-lifetime", "25"), "--max-lifetime: nothing is towed"),
+        (("--max-uncontrolled", "25"), "--max-uncontrolled: nothing is towed"),
+        (("--max-uncontrolled", "-1"), "--max-uncontrolled = -1: must be a finite number"),
+        (("--end-of-life", "0"), "--end-of-life = 0: must be a positive number"),
+        (("--end-of-life", "4000"), "--end-of-life (end_of_life_m_s = 4000.0): the tank has"),
         (
             (*MASSES, "--tow", "9", "--disposal-altitude", "500", "--disposal-perigee", "50"),
             "leave --disposal-altitude out",

@@ -226,7 +226,8 @@ def test_no_address_reads_another_file(at: At) -> None:
     for wrong in ({}, {"names": []}, {"names": ["x"] * 2001}, {"names": ["x"], "prizes": "all"}):
         at.post("/choose", wrong, 422)
     for wrong in ({"years": 0}, {"years": 1e9}, {"years": "50"}, {"out": "x"}):
-        at.post("/worth", wrong, 422)
+        told = at.post("/jobs", {"verb": "worth", "options": wrong}, 422)["error"]
+        assert told.startswith("option "), told
     parts: tuple[Any, ...] = (
         {"path": "targets", "value": []},
         {"path": "name", "value": {}},

@@ -189,6 +189,8 @@ VERBS: dict[str, dict[str, object]] = {
     "verify": {},
     "refine": {},
     "fly": {},
+    "screen": {"distance": 1e6},
+    "dispose": {"years": 1000},
     "check": {},
     "compare": {},
     "tradeoff": {"vary": "delta-v=600,3000", "method": "greedy-guarded", "time_limit_s": 2},
@@ -197,7 +199,7 @@ VERBS: dict[str, dict[str, object]] = {
 }
 """Verbs of the menu in an order in which each has what it needs, with options."""
 
-PAGES = {"compare", "tradeoff", "rehearse", "report", "worth"}
+PAGES = {"compare", "dispose", "tradeoff", "rehearse", "report", "screen", "worth"}
 """Verbs whose results open a page."""
 
 
@@ -287,6 +289,22 @@ def replanned(tab: browser.Browser) -> None:
     tab.wait_for(f"document.querySelector('.result.shown').dataset.id === '{row['id']}'")
 
 
+def lit(tab: browser.Browser) -> None:
+    """Find windows of light and contact, with which the mission goes on, and lift them."""
+    made = len(asked(tab, "/results"))
+    click(tab, "to-mission")
+    tab.evaluate("document.querySelector('#windows-options').closest('details').open = true")
+    judged(tab, LOOKS[-1:])
+    put(tab, "#windows-contact", "kiruna, awarua")
+    click(tab, "windows")
+    on_page(tab, "results", made + 1)
+    tab.wait_for("!document.getElementById('lift').disabled")
+    assert "bands" in text(tab, "captures")
+    assert asked(tab, "/results")[-1]["verb"] == "windows"
+    click(tab, "lift")
+    tab.wait_for("document.getElementById('lift').disabled")
+
+
 def wished(tab: browser.Browser) -> None:
     """Options of an import: what is refused stands at its field; the mission follows the others."""
     tab.evaluate("document.querySelector('#import-options').closest('details').open = true")
@@ -338,6 +356,7 @@ def test_each_verb_is_pressed_once(tab: browser.Browser, tmp_path: Path) -> None
         every_verb(tab)
         points(tab)
         replanned(tab)
+        lit(tab)
         click(tab, "to-objects")
         count = len(asked(tab, "/results"))
         click(tab, "work-out")

@@ -18,7 +18,7 @@ from ...plan.cargo import loads_of, most_left_m_s
 from ...plan.leg_kinds import leg_kinds
 from ...plan.plan import Leg
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, SUPPLIES, Follower, most_targets
+from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, RELEASES, SUPPLIES, Follower, most_targets
 from ...problem.support import refuse
 from ...problem.uncertainty import LognormalFactor, Uncertainty
 
@@ -99,7 +99,7 @@ class ChaserLimits(NamedTuple):
 
 FOLLOWS = Follower(
     "rehearse",
-    (FIRST | CAMPAIGNS | MODELLED | {"capture windows"})
+    (FIRST | CAMPAIGNS | MODELLED | RELEASES | {"capture windows", "end of life"})
     - SUPPLIES
     - {"low thrust", "prizes that fall", "launches into orbits"},
 )
@@ -134,6 +134,7 @@ class MissionFacts:
 
     def __init__(self, instance: Instance, *, cores: int = 0) -> None:
         refuse(instance, FOLLOWS)
+        instance = instance.without_reserves()
         self.cores = cores
         self.instance, self.names = instance, instance.names
         self.number = {name: body for body, name in enumerate(self.names)}

@@ -155,6 +155,7 @@ def states_at(
     if failed is not None and not 1 <= failed <= len(plan.legs):
         raise InputError(f"failed leg {failed}: the plan has the legs 1 to {len(plan.legs)}")
     check_deviations(instance, plan, went)
+    instance = instance.without_reserves()
     return tuple(
         _state(instance, flown, _fixed(instance, flown, at_s, keep, failed, went), at_s, went)
         for flown in routes_of(instance, plan)

@@ -22,7 +22,12 @@ DEFAULT_TIME_LIMIT_S = 2.0
 
 
 FOLLOWS = Follower(
-    "replan", FIRST | CAMPAIGNS | MODELLED | RELEASES | {"functions of time", "capture windows"}
+    "replan",
+    FIRST
+    | CAMPAIGNS
+    | MODELLED
+    | RELEASES
+    | {"functions of time", "capture windows", "end of life"},
 )
 
 
@@ -99,6 +104,7 @@ def replan(  # noqa: PLR0913
     began = now_s()
     refuse(instance, FOLLOWS)
     plan = admit(instance, plan).plan
+    instance = instance.without_reserves()
     went = Deviations(_each_once(missed), retry, dict(services_s or {}), dict(costs_m_s or {}))
     states = states_at(instance, plan, at_s, keep=keep, failed=failed, went=went)
     zoned, notes = _zoned(instance, tuple(zones))

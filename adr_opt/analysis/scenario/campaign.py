@@ -58,7 +58,7 @@ class Offer(NamedTuple):
 
 FOLLOWS = Follower(
     "--campaign",
-    (FIRST | CAMPAIGNS | MODELLED)
+    (FIRST | CAMPAIGNS | MODELLED | {"lifetimes", "controlled re-entry", "end of life"})
     - {
         "given connections",
         "bodies without an orbit",
@@ -67,7 +67,8 @@ FOLLOWS = Follower(
         "fixed planes",
     },
 )
-"""Campaigns of later years are planned by the model, on what is there then."""
+"""Campaigns of later years are planned by the model, on what is there then, of which no windows are
+known, and objects that are towed to a circle leave those that are counted above it."""
 
 
 def check_template(template: Instance) -> None:

@@ -17,6 +17,7 @@ from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.sentences import sentence
 from ...common.wording import counted
+from ...plan.kit_sizes import with_sized_kits
 from ...plan.plane_drift import drift_warning
 from ...problem.bodies import Station
 from ...problem.chasers import AtStation, InOrbit
@@ -326,7 +327,7 @@ def _instance(
         if station is not None:
             stations = (station.replace(orbit=home),)
             start = AtStation(station=station.name)
-        return Instance(
+        made = Instance(
             name=mission.name,
             epoch=epoch,
             # SGP4 gives elements in TEME of date: at the epoch those of the epoch.
@@ -340,8 +341,9 @@ def _instance(
                 duration_s=float(mission.duration_s),
                 service_s=crew.service_s,
                 launch_separation_s=crew.separation_s,
-                disposal=crew.disposal,
+                disposal=None if crew.towed_kg is None else crew.disposal,
                 max_lifetime_years=crew.max_lifetime_years,
+                max_uncontrolled_kg=crew.max_uncontrolled_kg,
             ),
             objective=crew.objective,
             dynamics=mission.dynamics,
@@ -349,6 +351,7 @@ def _instance(
         )
     except ValidationError as error:
         raise InputError(sentence(error)) from None
+    return made if crew.kit_isp_s is None else with_sized_kits(made, crew.kit_isp_s, crew.disposal)
 
 
 def unique(labels: Sequence[str], taken: set[str]) -> list[str]:

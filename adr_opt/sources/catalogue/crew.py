@@ -49,7 +49,9 @@ class Crew:
     kits : int, optional
         The most that each carries, one for each target; None if targets are only visited.
     kit_mass_kg : float
-        Of each kit.
+        Of each kit; with ``kit_isp_s`` without the propellant that disposals take.
+    kit_isp_s : float, optional
+        Specific impulse of kits that lead to the orbit of disposal, by which they are sized.
     expense : Expense, optional
         Of each chaser; then plans are to take as little as they can.
     separation_s : float, optional
@@ -57,9 +59,13 @@ class Crew:
     towed_kg : float, optional
         Mass of each target, all of which are towed; None if they are not.
     disposal : DisposalCircle or DisposalPerigee, optional
-        The orbit that they are towed to.
+        The orbit that they are towed to, or that kits lead them to.
     max_lifetime_years : float, optional
         How long they may stay in orbit once they are released.
+    max_uncontrolled_kg : float, optional
+        Mass above which they have to re-enter under control.
+    end_of_life_m_s : float, optional
+        What each chaser keeps for its own disposal.
     service_s : float, optional
         How long each service takes; None for one revolution of the target [s].
     thrust_n, duty_cycle : float, optional
@@ -72,11 +78,14 @@ class Crew:
     apart_s: float = APART_S
     kits: int | None = None
     kit_mass_kg: float = 0.0
+    kit_isp_s: float | None = None
     expense: Expense | None = None
     separation_s: float | None = None
     towed_kg: float | None = None
     disposal: Disposal | None = None
     max_lifetime_years: float | None = None
+    max_uncontrolled_kg: float | None = None
+    end_of_life_m_s: float | None = None
     service_s: float | None = None
     thrust_n: float | None = None
     duty_cycle: float | None = None
@@ -92,7 +101,9 @@ class Crew:
             raise InputError(f"kit mass = {self.kit_mass_kg:g} kg: there are no kits; say how many")
         if self.towed_kg is not None and self.kits is not None:
             raise InputError("a target takes a kit or is towed; give kits or a mass to tow")
-        if (self.towed_kg is None) != (self.disposal is None):
+        if self.kit_isp_s is not None and self.kits is None:
+            raise InputError(f"kit_isp_s = {self.kit_isp_s:g}: there are no kits; say how many")
+        if (self.towed_kg is None and self.kit_isp_s is None) != (self.disposal is None):
             raise InputError("a tow needs a mass and a disposal orbit; give both or none")
         if self.towed_kg is not None and not isinstance(self.tank, TankByMass):
             raise InputError("a tow needs masses, but the tank is given in ΔV")
@@ -137,6 +148,7 @@ class Crew:
             kits=self.kits,
             kit_mass_kg=self.kit_mass_kg,
             expense=self.expense,
+            end_of_life_m_s=self.end_of_life_m_s,
             thrust_n=self.thrust_n,
             duty_cycle=self.duty_cycle,
         )

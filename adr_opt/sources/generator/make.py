@@ -9,6 +9,7 @@ from typing import Any
 
 from ...common.constants import HOUR_S
 from ...common.errors import InputError
+from ...plan.kit_sizes import with_sized_kits
 from ...problem.bodies import Station, Target
 from ...problem.chasers import AnyTank, AtStation, Chaser, InOrbit, Start, Tank
 from ...problem.disposal import Disposal
@@ -110,9 +111,11 @@ def fitted(  # noqa: PLR0913
     tank: AnyTank | None = None,
     kits: int | None = None,
     kit_mass_kg: float | None = None,
+    kit_isp_s: float | None = None,
     towed_kg: float | None = None,
     disposal: Disposal | None = None,
     max_lifetime_years: float | None = None,
+    max_uncontrolled_kg: float | None = None,
     burns: BurnsName | None = None,
     approach: ApproachName | None = None,
     keep_out_m: float | None = None,
@@ -122,7 +125,8 @@ def fitted(  # noqa: PLR0913
     Parameters
     ----------
     instance : Instance
-    tank, kits, kit_mass_kg, towed_kg, disposal, max_lifetime_years, burns, approach, keep_out_m
+    tank, kits, kit_mass_kg, kit_isp_s, towed_kg, disposal, max_lifetime_years
+    max_uncontrolled_kg, burns, approach, keep_out_m
         As :func:`adr_opt.generate` takes them.
 
     Raises
@@ -132,10 +136,14 @@ def fitted(  # noqa: PLR0913
     """
     if kits is not None and towed_kg is not None:
         raise InputError("a target takes a kit or is towed; give kits or a mass to tow")
-    if (towed_kg is None) != (disposal is None):
+    if (towed_kg is None and kit_isp_s is None) != (disposal is None):
         raise InputError("a tow needs a mass and a disposal orbit; give both or none")
-    if max_lifetime_years is not None and disposal is None:
-        raise InputError(f"lifetime = {max_lifetime_years:g} years: nothing is released; say a tow")
+    for what, limit, unit in (
+        ("lifetime", max_lifetime_years, "years"),
+        ("most uncontrolled", max_uncontrolled_kg, "kg"),
+    ):
+        if limit is not None and disposal is None:
+            raise InputError(f"{what} = {limit:g} {unit}: nothing is released; say a tow")
     carried = instance.chasers[0].kits is not None
     if kit_mass_kg is not None and kits is None and (not carried or towed_kg is not None):
         raise InputError(f"kit mass = {kit_mass_kg:g} kg: there are no kits; say how many")
@@ -158,14 +166,19 @@ def fitted(  # noqa: PLR0913
         return instance
     mission = instance.mission
     if disposal is not None:
-        mission = mission.replace(disposal=disposal, max_lifetime_years=max_lifetime_years)
-    return instance.replace(
+        mission = mission.replace(
+            disposal=None if towed_kg is None else disposal,
+            max_lifetime_years=max_lifetime_years,
+            max_uncontrolled_kg=max_uncontrolled_kg,
+        )
+    made = instance.replace(
         name=f"{instance.name}{SUFFIX}",
         chasers=tuple(chaser.replace(**of_chasers) for chaser in instance.chasers),
         targets=tuple(target.replace(**of_targets) for target in instance.targets),
         mission=mission,
         transfer=transfer,
     )
+    return made if kit_isp_s is None else with_sized_kits(made, kit_isp_s, disposal)
 
 
 EPOCH = datetime(2026, 1, 1, tzinfo=UTC)
@@ -192,9 +205,11 @@ def generate(  # noqa: PLR0913
     tank: AnyTank | None = None,
     kits: int | None = None,
     kit_mass_kg: float | None = None,
+    kit_isp_s: float | None = None,
     towed_kg: float | None = None,
     disposal: Disposal | None = None,
     max_lifetime_years: float | None = None,
+    max_uncontrolled_kg: float | None = None,
     burns: BurnsName | None = None,
     approach: ApproachName | None = None,
     keep_out_m: float | None = None,
@@ -221,12 +236,17 @@ def generate(  # noqa: PLR0913
         Each target takes a kit; this is the maximum number aboard each chaser.
     kit_mass_kg : float, optional
         Of each kit; needs a tank by mass [kg].
+    kit_isp_s : float, optional
+        Specific impulse of kits that lead to the orbit of disposal, for which they carry the
+        propellant beside their mass [s].
     towed_kg : float, optional
         Instead of kits: each target has this mass [kg] and is towed; needs a tank by mass.
     disposal : DisposalCircle or DisposalPerigee, optional
         The orbit that targets are towed to, where they are.
     max_lifetime_years : float, optional
         How long these may stay in orbit once they are released.
+    max_uncontrolled_kg : float, optional
+        Mass above which they have to re-enter under control [kg].
     burns : {"sequence", "free"}, optional
         By which short legs are priced; by default those of the sequence.
     approach : {"half-lap", "safety-ellipse"}, optional
@@ -287,9 +307,11 @@ def generate(  # noqa: PLR0913
         tank=tank,
         kits=kits,
         kit_mass_kg=kit_mass_kg,
+        kit_isp_s=kit_isp_s,
         towed_kg=towed_kg,
         disposal=disposal,
         max_lifetime_years=max_lifetime_years,
+        max_uncontrolled_kg=max_uncontrolled_kg,
         burns=burns,
         approach=approach,
         keep_out_m=keep_out_m,

@@ -35,6 +35,7 @@ crew_options = param.together(
     ),
     param.word("--launch-into", "KM,DEG", "Altitude and inclination that they are launched into."),
     param.word("--launcher", "KM=KG,...", "What the launcher lifts to altitudes, kits included."),
+    param.number("--end-of-life", "M_S", "ΔV that each keeps for its own disposal; no default."),
     param.word(
         "--expense",
         "FIXED[,PER_KG[,PER_KG2]]",

@@ -117,6 +117,7 @@ def fitting_options(usual: str) -> Callable[[Function], Function]:
         number("--isp", "S", "For a tank by mass: specific impulse."),
         count("--kits", "K", "Each target needs a kit; at most K aboard."),
         number("--kit-mass", "KG", "Mass of a kit; default 0."),
+        number("--kit-isp", "S", "Kits lead to the disposal orbit, and carry what that takes."),
         number("--tow", "KG", "Mass of each target, which is to be towed."),
         number(
             "--disposal-altitude", "KM", "Altitude of the circular orbit that targets are towed to."
@@ -125,4 +126,5 @@ def fitting_options(usual: str) -> Callable[[Function], Function]:
         number(
             "--max-lifetime", "YEARS", "How long a released target may stay in orbit; no default."
         ),
+        number("--max-uncontrolled", "KG", "Heavier ones re-enter under control; no default."),
     )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import os
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,7 +14,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, param
 from .output import emit_json, emit_rich, say, say_written
-from .parameters import admitted_refined, check_out
+from .parameters import admitted_refined, check_outs
 
 SHOWN = 20
 """Number of approaches in the table that is printed."""
@@ -35,8 +37,10 @@ SHOWN = 20
 @param.word(
     "--messages",
     "FOLDER",
-    "New folder for a conjunction data message (CCSDS) of each approach that is no visit.",
+    "New folder, or .zip file, for a conjunction data message (CCSDS) of each approach that is no "
+    "visit.",
 )
+@param.file("--page", "HTML page to write.", "page_path")
 @param.skip_bad
 @param.as_json
 @param.quiet
@@ -48,6 +52,7 @@ def command(
     errors_path: str | None,
     out: str | None,
     messages: str | None,
+    page_path: str | None,
     skip_bad: bool,
     as_json: bool,
     quiet: bool,
@@ -59,9 +64,13 @@ def command(
     from ...analysis.screening import approaches_csv, conjunction_message, read_errors, screen
     from ...common.files import write_text
     from ...sources import catalogue
+    from ..report.plain import check_page, write_page
+    from ..report.screened import screening_page
     from .tables import number_table
 
-    check_out(out, instance_path, refined_path, *files, errors_path)
+    check_outs((out, page_path), instance_path, refined_path, *files, errors_path)
+    if page_path is not None:
+        check_page(page_path)
     if messages is not None:
         _check_folder(messages, errors_path)
     errors = {} if errors_path is None else read_errors(errors_path)
@@ -75,13 +84,16 @@ def command(
         _write_messages(messages, [conjunction_message(each, errors) for each in others])
     if out is not None:
         write_text(out, approaches_csv(approaches))
+    if page_path is not None:
+        name, count = admitted.instance.name, len(found.records)
+        write_page(page_path, screening_page(name, approaches, distance_m, count))
     found_of_others = counted(len(others), "approach", "approaches")
     say(
         f"{counted(len(found.records), 'object')}: {found_of_others} within {distance_m:g} m, and "
         f"{len(approaches) - len(others)} of bodies that are visited",
         unless=quiet,
     )
-    say_written(out, messages, quiet=quiet)
+    say_written(out, messages, page_path, quiet=quiet)
     if as_json:
         emit_json(
             {
@@ -134,9 +146,17 @@ def _check_folder(folder: str, errors: str | None) -> None:
         raise InputError(f"{folder}: {parent} is no folder that can be written to")
 
 
-def _write_messages(folder: str, texts: Sequence[str]) -> None:
-    from ...common.files import write_text
+def _write_messages(place: str, texts: Sequence[str]) -> None:
+    from ...common.files import write_bytes, write_text
 
-    Path(folder).mkdir()
-    for number, text in enumerate(texts, start=1):
-        write_text(Path(folder) / f"{number:0{len(str(len(texts)))}d}.cdm", text)
+    names = [f"{number:0{len(str(len(texts)))}d}.cdm" for number in range(1, len(texts) + 1)]
+    if place.lower().endswith(".zip"):
+        packed = io.BytesIO()
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, text in zip(names, texts, strict=True):
+                archive.writestr(name, text)
+        write_bytes(place, packed.getvalue())
+        return
+    Path(place).mkdir()
+    for name, text in zip(names, texts, strict=True):
+        write_text(Path(place) / name, text)

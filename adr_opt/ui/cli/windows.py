@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 @param.many(
     "--contact",
     "NAME",
-    "A ground station that sees the target, of --stations or a public one; repeatable, and one of "
-    "them suffices.",
+    "Ground stations that see the target, of --stations or public ones, between commas; "
+    "repeatable, and one of them suffices.",
     "contacts",
 )
 @param.file("--stations", "CSV file: name,latitude_deg,longitude_deg,altitude_m.")
@@ -84,6 +84,7 @@ def command(
     if into is not None and (out is None or Path(out).parent != Path(into).parent):
         raise InputError("--into: give --out as well, a file in the same folder")
     known = STATIONS | ({} if stations is None else read_stations(stations))
+    contacts = tuple(name.strip() for each in contacts for name in each.split(","))
     for name in contacts:
         if name not in known:
             raise InputError(f"--contact {name}: no such station; use one of: {', '.join(known)}")

@@ -80,6 +80,17 @@ def anchor(at: int) -> str:
     return f"design-{at + 1}"
 
 
+def approaches_chart(found: Sequence[CloseApproach]) -> Chart:
+    """Misses of approaches against time; those of bodies that are visited are open circles."""
+    series = []
+    for name, own, symbol in (("objects", False, "circle"), ("visited", True, "circle-open")):
+        there = [each for each in found if each.own == own]
+        days = [each.time_s / DAY_S for each in there]
+        misses_km = [each.miss_m / KM_M for each in there]
+        series.append(Marks(name=name, colour=CHASERS[own], x=days, y=misses_km, symbol=symbol))
+    return Chart(tuple(series), ChartAxis("time [d]"), ChartAxis("miss [km]"))
+
+
 def approaches(ax: Any, found: Sequence[CloseApproach]) -> Any:
     """Add misses of approaches against time; those of bodies that are visited are open circles.
 
@@ -88,13 +99,7 @@ def approaches(ax: Any, found: Sequence[CloseApproach]) -> Any:
     found : sequence of CloseApproach
         As :func:`adr_opt.analysis.screening.screen` finds them.
     """
-    series = []
-    for name, own, symbol in (("objects", False, "circle"), ("visited", True, "circle-open")):
-        there = [each for each in found if each.own == own]
-        days = [each.time_s / DAY_S for each in there]
-        misses_km = [each.miss_m / KM_M for each in there]
-        series.append(Marks(name=name, colour=CHASERS[own], x=days, y=misses_km, symbol=symbol))
-    return draw(ax, Chart(tuple(series), ChartAxis("time [d]"), ChartAxis("miss [km]")))
+    return draw(ax, approaches_chart(found))
 
 
 def designs_chart(study: DesignStudy) -> Chart:

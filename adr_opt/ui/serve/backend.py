@@ -21,7 +21,7 @@ from .objects.import_options import OPTIONS
 from .project.points import points_of
 from .project.private import passing, refuse_link
 from .project.record import ResultRecord
-from .requests import ChooseRequest, JobRequest, ShowRequest, WorthRequest
+from .requests import ChooseRequest, JobRequest, ShowRequest
 from .session import EditingSession
 
 
@@ -183,10 +183,6 @@ class Backend:
     def remove(self, number: int) -> None:
         """Remove a dropped file from the project."""
         self.dropped.remove(number)
-
-    def worth(self, request: WorthRequest) -> dict[str, Any]:
-        """Begin a job that computes the worth of the dropped objects."""
-        return self.begin(JobRequest(verb="worth", options={"years": request.years}))
 
     def choose(self, request: ChooseRequest) -> dict[str, Any]:
         """Make a mission of dropped objects; returns what became of them, as JSON data."""

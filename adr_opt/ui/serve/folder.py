@@ -171,6 +171,12 @@ class Folder:
                 if planned and file is not None:
                     self._file(file).unlink(missing_ok=True)
             instance = instance.with_given(given, *drafts)
+        windows = instance.windows_read
+        if instance.windows is not None and windows is not None:
+            file = f"draft-{instance.windows.file}"
+            if planned:
+                self._file(file).unlink(missing_ok=True)
+            instance = instance.with_windows(windows, file)
         if planned:
             path.unlink(missing_ok=True)
         else:
@@ -183,10 +189,8 @@ class Folder:
         plan.save(path)
 
     def _save(self, instance: Instance, path: Path) -> None:
-        reference = instance.transfer.given
-        for name in () if reference is None else (reference.file, reference.functions):
-            if name is not None:
-                self._file(name)
+        for name in _beside(instance):
+            self._file(name)
         instance.save(path)
 
     def _file(self, name: str) -> Path:
@@ -196,8 +200,9 @@ class Folder:
 
 def _beside(instance: InstanceFile) -> set[str]:
     """Names of the files that belong to an instance."""
-    given, ephemerides = instance.transfer.given, instance.ephemerides
+    given, ephemerides, windows = instance.transfer.given, instance.ephemerides, instance.windows
     names = set() if given is None else {given.file, given.functions}
+    names |= set() if windows is None else {windows.file}
     return {name for name in names if name is not None} | set(
         () if ephemerides is None else ephemerides.files
     )

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from ...common.errors import InputError
+from ...problem.instance import Instance
 from .drafts import Draft, Edit, told
 from .project.record import StepRecord
 
@@ -138,6 +140,11 @@ class History:
         if alike and known is not None and known.field.sha256 == draft.field.sha256:
             return False
         return self._go_on(draft, words, base=True)
+
+    def go_on(self, field: Instance, words: str) -> bool:
+        """Go on from another version of the mission; returns whether it is another."""
+        made = replace(self.draft, field=field)
+        return made != self.draft and self._go_on(made, words, base=False)
 
     def _go_on(self, draft: Draft, words: str, *, base: bool) -> bool:
         del self._steps[self._at + 1 :]

@@ -1,4 +1,5 @@
 // The page of `serve`: rooms that follow what the server tells, each in its part of the page.
+import * as captures from "./script/captures.js";
 import * as choose from "./script/choose.js";
 import * as drop from "./script/drop.js";
 import * as frame from "./script/frame.js";
@@ -23,7 +24,7 @@ if (location.search) history.replaceState(null, "", "/");
 
 const rooms = [
   views, header, drop, choose, objects, limits, targets, parts, planning, replan, results, verbs, jobs,
-  frame, keys, object,
+  frame, keys, object, captures,
 ];
 for (const room of rooms) room.start();
 views.onView((view) => {

@@ -34,12 +34,6 @@ class ChooseRequest(Record):
     options: Annotated[dict[str, Any], Field(default_factory=dict, max_length=50)]
 
 
-class WorthRequest(Record):
-    """Horizon of the worth of the objects of the dropped catalogue [years]."""
-
-    years: Annotated[float, Field(gt=0.0, le=200.0)] = 50.0
-
-
 class JobRequest(Record):
     """A verb to run, with its options by name and the results that it reads."""
 

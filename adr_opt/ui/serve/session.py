@@ -10,7 +10,7 @@ from ...common.errors import InputError
 from ...judge.admit import admit
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from . import shown_plan
+from . import captures, shown_plan
 from .drafts import Draft, Edit
 from .folder import Folder
 from .history import History
@@ -245,6 +245,31 @@ class EditingSession:
         with self._lock:
             return self._history.draft.instance
 
+    def without_found_windows(self) -> Instance:
+        """The mission as edited, excluded targets as well, with the windows that it came with.
+
+        Raises
+        ------
+        InputError
+            There is no mission, or the result that found others is spoilt.
+        """
+        with self._lock:
+            return captures.without(self._history.draft.field, self.results)
+
+    def take_windows(self, number: int | None) -> bool:
+        """Go on with the windows of a result, or without any that were found, as one edit.
+
+        Returns whether they are of this mission.
+        """
+        with self._lock:
+            field, words = self._history.draft.field, "captures in windows"
+            made = None if number is None else captures.found_for(field, self.results, number)
+            if number is None:
+                made, words = self.without_found_windows(), "captures at any time"
+            if made is not None:
+                self._go(lambda: self._history.go_on(made, words))
+            return made is not None
+
     def state(self) -> dict[str, Any]:
         """State of the page apart from report and run, as JSON data."""
         with self._lock:
@@ -257,7 +282,15 @@ class EditingSession:
                 "result": self._shown.visible,
                 "of_last_run": self._shown.visible in (None, self._ended_with),
                 "trouble": self._trouble,
+                "captures": self._captures(),
             }
+
+    def _captures(self) -> str | None:
+        """Whose windows targets have: "found" for them, or "given" with them; None without any."""
+        if not self._history.has_mission or self._history.draft.field.windows is None:
+            return None
+        found = captures.place_of(self._history.draft.field, self.results)
+        return "given" if found is None else "found"
 
     def _variant(self, instance: Instance) -> str:
         """What an instance differs in from the mission as it came."""

@@ -30,13 +30,14 @@ def differences(first: Instance, now: Instance) -> str:
     def of(changed: Callable[[Target, Target], bool]) -> list[str]:
         return [new.name for old, new in kept if changed(old, new)]
 
+    in_file = first.windows != now.windows
     said = [
         _named("without", before.keys() - after.keys()),
         _named("with", after.keys() - before.keys()),
         _named("required:", of(lambda old, new: new.required and not old.required)),
         _named("not required:", of(lambda old, new: old.required and not new.required)),
         _named("prizes of", of(lambda old, new: old.greatest_prize != new.greatest_prize)),
-        _named("windows of", of(lambda old, new: _windows(old) != _windows(new))),
+        _named("windows of", [] if in_file else of(lambda a, b: _windows(a) != _windows(b))),
         _named("services of", of(lambda old, new: old.removal != new.removal)),
         _named("masses of", of(lambda old, new: old.mass_kg != new.mass_kg)),
     ]
@@ -57,6 +58,8 @@ def differences(first: Instance, now: Instance) -> str:
         )
         if old != new
     ]
+    if in_file:
+        said.append("captures in windows" if now.windows is not None else "captures at any time")
     if first.dynamics != now.dynamics:
         said.append(now.dynamics)
     return ", ".join(part for part in said if part)

@@ -9,13 +9,15 @@ from ....analysis.trade.axes import KINDS
 from ....common.errors import InputError
 from ..forms.options import words_of
 from ..objects.dropped import DroppedObjects
-from ..project.plan_files import INSTANCE, PLAN
+from ..project.plan_files import FIELD, INSTANCE, PLAN
 from ..project.record import ResultRecord
 from ..requests import JobRequest
 from ..session import EditingSession
 from .verbs import VERBS, JobVerb
 
 REFINED, CERTIFICATE = "refined.json", "certificate.json.gz"
+
+NO_CERTIFICATE = "no certificate is there for this plan; prove a bound with one first"
 
 
 class JobCommand(NamedTuple):
@@ -93,29 +95,35 @@ class JobInputs:
     def _files(self, verb: JobVerb, request: JobRequest, place: Path | None) -> JobCommand:
         """Files that a verb reads, and the results that they are of."""
         given = [self._session.results.record(number) for number in request.results]
+        if verb.needs == ("mission",):
+            return self._mission(place)
         if verb.needs == ("instance",):
-            return self._draft(place)
+            return self._draft(place, request)
         if verb.needs == ("catalogue",):
             return JobCommand(self._catalogue())
         plans = self._plans(given, 2 if "plans" in verb.needs else 1)
         files = [self._of(plans[0], INSTANCE)]
         refined = [record for record in given if REFINED in record.files]
-        if "plan or refined" in verb.needs and refined:
+        if "refined" in verb.needs:
+            refined = [self._made_of(plans[0], given, REFINED, "refine the plan first")]
+        if {"plan or refined", "refined"} & {*verb.needs} and refined:
             files.append(self._of(refined[0], REFINED))
         else:
             files += [self._of(record, PLAN) for record in plans]
         used = [*plans]
         if request.verb == "report" and refined:
             files.append(f"--refined={self._of(refined[0], REFINED)}")
-        if refined and request.verb in ("report", "fly", "export"):
+        if refined and request.verb in ("report", "fly", "export", "screen"):
             used.append(refined[0])
+        if "catalogue" in verb.needs:
+            files += [*self._objects(), "--skip-bad", *self._errors()]
         if "certificate" in verb.needs:
-            certificate = self._certificate(given, plans[0])
+            certificate = self._made_of(plans[0], given, CERTIFICATE, NO_CERTIFICATE)
             files.append(self._of(certificate, CERTIFICATE))
             used.append(certificate)
         if "uncertainty" in verb.needs:
             files.append(f"--uncertainty={self._uncertainty()}")
-        numbers = tuple(record.number for record in used)
+        numbers = tuple(dict.fromkeys(record.number for record in used))
         return JobCommand(files, numbers, plans[0].instance_sha256)
 
     def _plans(self, given: list[ResultRecord], least: int) -> list[ResultRecord]:
@@ -132,34 +140,58 @@ class JobInputs:
             raise InputError("plan first" if least == 1 else f"choose {least} plans or more")
         return plans if least > 1 else plans[:1]
 
-    def _draft(self, place: Path | None) -> JobCommand:
+    def _draft(self, place: Path | None, request: JobRequest) -> JobCommand:
         """The instance as edited: that of a plan of it if there is one, else written anew."""
         instance = self._session.instance()
         known = self._session.results.newest_of(instance.sha256)
-        if known is not None:
+        plans = request.verb == "solve"  # whose result is a plan with its instance
+        more = ["--refine", *self._around(request)] if plans else []
+        if known is not None and not plans:
             file = self._of(self._session.results.record(known), INSTANCE)
             return JobCommand([file], (known,), instance.sha256)
         if place is not None:
             instance.save(place / INSTANCE)
-        return JobCommand([self._named((place or self._folder) / INSTANCE)], (), instance.sha256)
+        file = self._named((place or self._folder) / INSTANCE)
+        return JobCommand([file, *more], (), instance.sha256)
 
-    def _catalogue(self) -> list[str]:
+    def _mission(self, place: Path | None) -> JobCommand:
+        """The mission as edited with all its targets, before windows were found for it."""
+        field = self._session.without_found_windows()
+        if place is not None:
+            field.save(place / FIELD)
+        own = self._dropped.latest("ground stations")
+        more = [] if own is None else [f"--stations={self._named(own)}"]
+        return JobCommand([self._named((place or self._folder) / FIELD), *more], (), field.sha256)
+
+    def _around(self, request: JobRequest) -> list[str]:
+        if not request.options.get("around"):
+            return []
+        return [*(f"--screen={file}" for file in self._objects()), *self._errors()]
+
+    def _objects(self) -> list[str]:
         files = [self._named(path) for path in self._dropped.of("catalogue")]
         if not files:
             raise InputError("no catalogue is there; drop a TLE or OMM file first")
+        return files
+
+    def _errors(self) -> list[str]:
+        errors = self._dropped.latest("errors")
+        return [] if errors is None else [f"--errors={self._named(errors)}"]
+
+    def _catalogue(self) -> list[str]:
         satcat = self._dropped.latest("satcat")
         more = [] if satcat is None else [f"--satcat={self._named(satcat)}"]
-        return [*files, *more, "--skip-bad"]
+        return [*self._objects(), *more, "--skip-bad"]
 
-    def _certificate(self, given: list[ResultRecord], plan: ResultRecord) -> ResultRecord:
-        known = [record for record in given if CERTIFICATE in record.files]
-        for record in reversed(self._session.results.all()):
-            alike = record.instance_sha256 == plan.instance_sha256
-            if CERTIFICATE in record.files and alike:
-                known.append(record)
-        if not known:
-            raise InputError("no certificate is there for this plan; prove a bound with one first")
-        return known[0]
+    def _made_of(
+        self, plan: ResultRecord, given: list[ResultRecord], file: str, without: str
+    ) -> ResultRecord:
+        """The result with a file that is of a plan: among the given ones, or else the latest."""
+        for record in (*given, *reversed(self._session.results.all())):
+            of_plan = plan.number in (record.number, *record.inputs) or file == CERTIFICATE
+            if file in record.files and record.instance_sha256 == plan.instance_sha256 and of_plan:
+                return record
+        raise InputError(without)
 
     def _uncertainty(self) -> str:
         path = self._dropped.latest("uncertainty")

@@ -70,17 +70,27 @@ def said_of(verb: str, answer: dict[str, Any], status: int) -> str:
     bound = answer.get("upper_bound")
     if verb == "bound" and isinstance(bound, (int, float)):
         return f"no plan collects more than {bound:.6g}"
+    if verb == "screen":
+        others = [each for each in answer["approaches"] if not each["own"]]
+        nearest = min((each["miss_m"] for each in others), default=None)
+        found = counted(len(others), "approach", "approaches")
+        return found if nearest is None else f"{found}, the nearest by {nearest:,.0f} m"
+    if verb == "windows":
+        shares = [row["share"] for row in answer["targets"].values()]
+        return f"open {100.0 * min(shares):.3g} to {100.0 * max(shares):.3g} % of the time"
     return NO.get(verb, "done, but the answer is no") if status else "done"
 
 
 NO = {
     "bound": "infeasible",
     "compare": "a plan has violations",
+    "dispose": "a rule is not met",
     "fly": "a leg misses, or a tank does not suffice",
     "refine": "a leg is missing",
     "rehearse": "no rehearsal services all required targets",
     "replan": "the rest has no plan",
     "report": "a tank does not suffice, or a leg misses",
+    "solve": "the plan does not hold",
     "tradeoff": "a point has no plan",
 }
 """What exit status 1 means."""
@@ -224,7 +234,10 @@ class JobQueue:
             job.result = record.number
             if job.verb == "worth":
                 self._session.note(worth=record.number)
-            job.settle("done", said_of(job.verb, answer, status))
+            said = said_of(job.verb, answer, status)
+            if job.verb == "windows" and not self._session.take_windows(record.number):
+                said = "the mission was edited meanwhile, and goes without; find them anew"
+            job.settle("done", said)
         except Exception as error:  # to be reported on the page
             results.drop(place)
             known = isinstance(error, (InputError, OSError))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
+from ....analysis.windows import STATIONS
 from ....run.methods import BOUNDS, PLANNERS, names
 from ....run.run_options import DEFAULT_BOUND, DEFAULT_BOUND_TIME_LIMIT_S, DEFAULT_TIME_LIMIT_S
 from ..forms.options import JobOption, choice, flag, number, text, whole
@@ -13,9 +14,18 @@ from ..planning import LONGEST_S
 from ..project.points import PLANS
 
 Need = Literal[
-    "instance", "plan", "plans", "plan or refined", "certificate", "catalogue", "uncertainty"
+    "instance",
+    "mission",
+    "plan",
+    "plans",
+    "plan or refined",
+    "refined",
+    "certificate",
+    "catalogue",
+    "uncertainty",
 ]
-"""What a verb reads: ``instance`` is that of the draft, ``plans`` are two or more."""
+"""What a verb reads: ``instance`` is that of the draft, ``mission`` the same with targets that are
+excluded and without windows that were found for it, ``plans`` are two or more."""
 
 
 class JobOutput(NamedTuple):
@@ -99,6 +109,11 @@ OF_FLIGHTS = "CCSDS messages of states or burns, CZML for Cesium, or a script fo
 OF_BURNS = "free: least ΔV at any times; planned: the plan's own, changed little"
 OF_FORCES = "of a refined plan: its own field, or all forces"
 OF_ACTIVITY = "on which the density of the air depends"
+OF_STATIONS = f"one that sees the target suffices; empty: not asked; {', '.join(STATIONS)}"
+OF_ERRORS = "with a dropped file of errors"
+OF_RULES = "by default that of the mission"
+OF_SUN = "least angle from the velocity"
+AROUND = JobOption("around", "", "Around objects of the catalogue", "flag", default=False)
 
 VERBS: dict[str, JobVerb] = {
     "bound": JobVerb(
@@ -116,6 +131,20 @@ VERBS: dict[str, JobVerb] = {
         ),
         (JobOutput("--out", "refined.json"),),
     ),
+    "solve": JobVerb(
+        "Plan until it holds",
+        ("instance",),
+        (
+            PLANNER,
+            _limit(DEFAULT_TIME_LIMIT_S),
+            SEED,
+            whole("rounds", "Most rounds", 10, 1, 100),
+            AROUND,
+            number("avoid", "Kept away by", "m", "of those; by default 1 km", least=0.0, most=5e3),
+            number("avoid_probability", "Or by a probability", "", OF_ERRORS, least=0.0, most=1.0),
+        ),
+        (JobOutput("--out", "plan.json"), JobOutput("--refined-out", "refined.json")),
+    ),
     "fly": JobVerb(
         "Fly",
         ("plan or refined",),
@@ -127,6 +156,46 @@ VERBS: dict[str, JobVerb] = {
         ),
     ),
     "check": JobVerb("Check", ("plan",)),
+    "screen": JobVerb(
+        "Screen",
+        ("refined", "catalogue"),
+        (
+            number("distance", "Reported within", "m", default=5000.0, least=1.0, most=1e6),
+            JobOption("messages", "", "Messages (CDM)", "flag", default=False, help=OF_ERRORS),
+        ),
+        (
+            JobOutput("--out", "approaches.csv"),
+            JobOutput("--page", "screening.html"),
+            JobOutput("--messages", "messages.zip", "messages"),
+        ),
+        "screening.html",
+    ),
+    "dispose": JobVerb(
+        "Dispose",
+        ("plan",),
+        (
+            number("years", "Longest lifetime", "years", OF_RULES, least=0.0, most=1e4),
+            number("uncontrolled", "Controlled above", "kg", OF_RULES, least=0.0, most=1e7),
+            number("kit_isp", "Specific impulse of kits", "s", default=220.0, least=1.0, most=1e4),
+            number("survives", "Share that reaches the ground", default=0.094, least=0.0, most=1.0),
+            number("fails", "Chance that a burn fails", default=0.1, least=0.0, most=1.0),
+        ),
+        (JobOutput("--out", "disposal.json"), JobOutput("--page", "disposal.html")),
+        "disposal.html",
+    ),
+    "windows": JobVerb(
+        "Light and contacts",
+        ("mission",),
+        (
+            JobOption("light", "--light", "In light", "flag", default=True),
+            number("sun_angle", "Sun from the approach", "°", OF_SUN, least=0.0, most=179.0),
+            text("contact", "Ground stations", help=OF_STATIONS, default="svalbard, troll"),
+            number("mask", "Least elevation", "°", default=5.0, least=0.0, most=89.0),
+            number("margin", "Margin", "s", "at both ends", default=60.0, least=0.0, most=1e5),
+            number("capture", "Time of a capture", "s", default=600.0, least=0.0, most=1e6),
+        ),
+        (JobOutput("--out", "windows.csv"), JobOutput("--into", "instance.json")),
+    ),
     "export": JobVerb(
         "Export flight",
         ("plan or refined",),

@@ -23,7 +23,7 @@ from .catalogue_view import CatalogueView, MissionMade, mission_of
 from .import_options import in_labels, wanted_of
 from .recognise import Recognised, recognised
 
-ALONE: tuple[Content, ...] = ("satcat", "prizes", "uncertainty")
+ALONE: tuple[Content, ...] = ("errors", "ground stations", "prizes", "satcat", "uncertainty")
 """Contents of which one file counts, the latest."""
 
 MOST_FILES = 100

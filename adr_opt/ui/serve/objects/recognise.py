@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ....analysis.screening import position_errors
+from ....analysis.windows import stations
 from ....common.errors import InputError
 from ....common.files import parse_model
 from ....common.json_text import parse_json
@@ -77,6 +79,10 @@ def _recognised(path: Path, name: str) -> Recognised:
         return Recognised("ephemerides", len(read_oem(path.read_bytes(), name)))
     if begin.startswith("#JCAT") or "\n#JCAT" in text:
         return Recognised("satcat", len(worth.read_satcat(path)))
+    if begin.strip() == ",".join(position_errors.COLUMNS):
+        return Recognised("errors", len(position_errors.read_errors(path)))
+    if begin.strip() == ",".join(stations.COLUMNS):
+        return Recognised("ground stations", len(stations.read_stations(path)))
     columns = {cell.strip().casefold() for cell in begin.split(",")}
     if columns & {"prize", "required", "prize_until"} and columns & {"object", "number", "name"}:
         return Recognised("prizes", len(catalogue.read_wishes(path)))

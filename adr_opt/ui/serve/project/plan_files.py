@@ -15,6 +15,9 @@ from .record import ResultRecord
 
 INSTANCE, PLAN = "instance.json", "plan.json"
 
+FIELD = "field.json"
+"""The mission for which windows were found."""
+
 EARLY = "stopped early: the best plan that was found until then"
 
 

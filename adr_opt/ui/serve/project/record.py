@@ -24,7 +24,17 @@ FileName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$")]
 Number = Annotated[int, Field(ge=1, le=999_999)]
 """Number of a result or a job."""
 
-Content = Literal["catalogue", "ephemerides", "instance", "plan", "satcat", "prizes", "uncertainty"]
+Content = Literal[
+    "catalogue",
+    "ephemerides",
+    "errors",
+    "ground stations",
+    "instance",
+    "plan",
+    "prizes",
+    "satcat",
+    "uncertainty",
+]
 """What a dropped file holds."""
 
 
@@ -114,7 +124,10 @@ class ProjectRecord(Record):
 
 RESULT_FORMAT: Literal["adr-opt-result/1"] = "adr-opt-result/1"
 
-_KEPT = "bound check compare export fly refine rehearse replan report solve tradeoff verify worth"
+_KEPT = (
+    "bound check compare dispose export fly refine rehearse replan report screen solve tradeoff "
+    "verify windows worth"
+)
 KEPT_VERBS = frozenset(_KEPT.split())
 """Verbs whose results are kept; any other folder among the results is not the project's."""
 

@@ -8,7 +8,7 @@ import { paint } from "./paint.js";
 import { rangeFields } from "./ranges.js";
 import { Scatter } from "./scatter.js";
 import { follow, told } from "./store.js";
-import { complain, get, send } from "./talk.js";
+import { begin, complain, get } from "./talk.js";
 
 const MOST = 2000; // targets that are chosen at once
 const LIST_MS = 120; // the list follows a brush that moves this often
@@ -238,7 +238,7 @@ export function start() {
   box("choose").addEventListener("click", choose);
   box("work-out").addEventListener("click", () => {
     if (box("years").value === "") complain("worth: give a number of years first");
-    else send("/worth", { years: Number(box("years").value) });
+    else begin("worth", { years: Number(box("years").value) });
   });
   follow("state", reload);
   follow("jobs", () => told.state && reload(told.state));

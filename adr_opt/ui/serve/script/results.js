@@ -32,7 +32,7 @@ function figures(result) {
 const FEW = 2;
 
 // Files that are of use elsewhere.
-const TAKEN = /^(flight\..*|.*\.(csv|oem|cdm|kvn))$/;
+const TAKEN = /^(flight\..*|disposal\.json|.*\.(csv|zip|oem|cdm|kvn))$/;
 
 export const nameOf = (result) => `${result.label || result.verb} (${result.id})`;
 const named = (id) => {

@@ -20,6 +20,9 @@ function missing(needs) {
     uncertainty: !dropped("uncertainty") && "Needs a dropped file of uncertainties.",
   };
   absent["plan or refined"] = absent.plan;
+  absent.refined = absent.plan || (!told.results.some(({ files }) => files.includes("refined.json"))
+    && "Needs a refined plan: refine the plan first.");
+  absent.catalogue = !dropped("catalogue") && "Needs a dropped catalogue of objects.";
   return needs.map((need) => absent[need]).find(Boolean) ?? "";
 }
 
@@ -49,7 +52,7 @@ function panelOf(name, { label, options = [] }) {
 function subject(needs) {
   if (needs.includes("instance")) return "";
   const chosen = selection();
-  const refined = needs.includes("plan or refined") && chosen.find(({ files }) => files.includes("refined.json"));
+  const refined = /refined/.test(needs) && chosen.find(({ files }) => files.includes("refined.json"));
   const plans = chosen.filter((result) => result.has_plan);
   const shown = told.results.filter(({ id }) => id === told.state?.result);
   const of = refined ? [refined] : plans.length ? plans.slice(0, needs.includes("plans") ? undefined : 1) : shown;
@@ -69,7 +72,7 @@ function show() {
 function build(choices) {
   verbs.clear();
   for (const [name, verb] of Object.entries(choices.verbs ?? {})) {
-    if (name === "worth" || name === "replan") continue; // have places of their own
+    if (["worth", "replan", "windows"].includes(name)) continue; // have places of their own
     verbs.set(name, panelOf(name, verb));
   }
   const all = [...verbs.values()];

@@ -1,0 +1,71 @@
+"""The page of ``screen``: what comes near a refined plan, and when."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...analysis.screening import CloseApproach
+from ...common.wording import counted
+from ..plot.studies import approaches_chart
+from . import tables
+from .charts import drawn
+from .plain import page, section, table_of
+from .text import number
+
+LISTED = 200
+"""Maximum number of approaches in the table, the nearest ones."""
+
+MISSES = "Misses against time"
+
+PROBABILITIES = (
+    "Probabilities of a collision are those of short encounters, by the integral over the circle "
+    "of both radii; where one of the errors is not known, or the encounter is slow, there is none."
+)
+
+
+def screening_page(
+    name: str, found: Sequence[CloseApproach], distance_m: float, objects: int
+) -> str:
+    """The HTML of the page.
+
+    Parameters
+    ----------
+    name : str
+        Of the instance.
+    found : sequence of CloseApproach
+        As :func:`adr_opt.analysis.screening.screen` finds them.
+    distance_m : float
+        Within which they are reported [m].
+    objects : int
+        Number of objects that were looked at.
+    """
+    others = sorted((each for each in found if not each.own), key=lambda each: each.miss_m)
+    probable = any(each.probability is not None for each in others)
+    columns: list[tables.Column | bool] = [
+        ("object", "", lambda each: each.object),
+        ("chaser", "", lambda each: each.chaser),
+        ("leg", "n", lambda each: each.leg),
+        ("time", "", lambda each: each.epoch[:19].replace("T", " ")),
+        ("miss, m", "n", lambda each: number(each.miss_m, 0)),
+        ("radial", "n", lambda each: number(each.radial_m, 0)),
+        ("along", "n", lambda each: number(each.along_m, 0)),
+        ("cross", "n", lambda each: number(each.cross_m, 0)),
+        ("speed, m/s", "n", lambda each: number(each.speed_m_s, 0)),
+        ("age, days", "n", lambda each: number(each.age_days, 1)),
+        probable and ("probability", "n", lambda each: _chance(each.probability)),
+    ]
+    near = table_of("Nearest approaches", columns, ((each,) for each in others[:LISTED]))
+    more = f"The {LISTED} nearest of {len(others)}. " if len(others) > LISTED else ""
+    under = (
+        f"{name} · {counted(objects, 'object')} · {counted(len(others), 'approach', 'approaches')} "
+        f"within {distance_m:g} m, {len(found) - len(others)} of bodies that are visited"
+    )
+    parts = [
+        section(MISSES, "", drawn(approaches_chart(found), MISSES)),
+        section("Nearest approaches", more + PROBABILITIES * probable, near if others else ""),
+    ]
+    return page("Screening", "What comes near the plan", under, parts)
+
+
+def _chance(probability: float | None) -> str:
+    return "unknown" if probability is None else f"{probability:.1e}"
