@@ -1,8 +1,6 @@
 """The environment and the learned policy: steps per second, visits, and curves of training.
 
 python bench/learning.py environment --slots 32 --runs 5 --steps 40
-python bench/learning.py worlds --slots 16 --counts 256
-python bench/learning.py policy nominal reduced-time ppo ppo:decode=beam@1 auto@1 --count 20
 python bench/learning.py curve
 python bench/learning.py evaluated --fields 50 --budget 16 --beams 10 30
 python bench/learning.py decisions --targets 50 500 5000
@@ -10,7 +8,7 @@ python bench/learning.py flown --width 64
 python bench/learning.py prior --fields 20
 python bench/learning.py rivals
 python bench/learning.py offline --out offline.npz
-python bench/learning.py ablation --seeds 1
+python bench/learning.py ablation --steps 131072
 python bench/learning.py bounds reduced-time reduced-fuel --fields 12
 """
 
@@ -32,11 +30,9 @@ from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
-from fields import best_known, ready
 from gymnasium.spaces import Discrete
-from planners import solved
 from scipy.stats import t, wilcoxon
-from tables import experiment, head, row, timed
+from tables import experiment, head, row
 
 import adr_opt
 import adr_opt.learning
@@ -50,7 +46,7 @@ from adr_opt.kernels.episodes import episodes as episode_kernels
 from adr_opt.kernels.episodes.choices import COST, SAFE
 from adr_opt.kernels.episodes.episodes import Episodes, StackedFields
 from adr_opt.learning.decoding import Field
-from adr_opt.learning.environment import OBSERVATIONS, TROUBLED, TROUBLES, MissionEnv, MissionVecEnv
+from adr_opt.learning.environment import OBSERVATIONS, MissionEnv, MissionVecEnv
 from adr_opt.learning.environment.fields import FIRST_SEED
 from adr_opt.learning.episodes import Board
 from adr_opt.learning.evaluation import digest, evaluate, splits
@@ -60,7 +56,6 @@ from adr_opt.learning.policy import SHIPPED, load_policy
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.problem.world import DrawnWorld
-from adr_opt.sources.generator import FAMILIES
 
 
 class Cheap:
@@ -151,111 +146,12 @@ def environment(
             many.close()
 
 
-def worlds(
-    runs: int = 7,
-    steps: int = 60,
-    slots: int = 64,
-    counts: tuple[int, ...] = (256,),
-    observations: tuple[str, ...] = ("choices",),
-) -> None:
-    """Steps a second in uncertain worlds, beside missions as planned.
-
-    Missions as planned and in worlds of the models ``TROUBLED`` and ``TROUBLES`` take turns, run by
-    run, on one thread; rates are by processor time, and ratios to the former.
-    """
-    models = {"as planned": None, "`TROUBLED`": TROUBLED, "`TROUBLES`": TROUBLES}
-    head("uncertainty", "observation", "missions", "steps/s of processor time", "ratio")
-    for seen, count in ((seen, count) for seen in observations for count in counts):
-        envs = {
-            name: MissionVecEnv(count, observation=seen, slots=slots, uncertainty=model)
-            for name, model in models.items()
-        }
-        cheap = Cheap(count, envs["as planned"].fields.most_targets)
-        for env in envs.values():
-            env.reset()
-            vector_rate(env, cheap, steps)
-        rates: dict[str, list[float]] = {name: [] for name in envs}
-        for _ in range(runs):
-            for name, env in envs.items():
-                rates[name].append(vector_rate(env, cheap, steps, time.process_time))
-        base = median(rates["as planned"])
-        for name, found in rates.items():
-            middle = median(found)
-            row(name, seen, count, f"{middle:,.0f} ({max(found):,.0f})", f"{middle / base:.2f} ×")
-            envs[name].close()
-
-
 def interval(values: list[float]) -> str:
     """Mean with its 95 % interval (Student)."""
     if len(values) < 2:
         return f"{fmean(values):.2f}"
     half = t.ppf(0.975, len(values) - 1) * stdev(values) / len(values) ** 0.5
     return f"{fmean(values):.2f} ± {half:.2f}"
-
-
-def policy(*what: str, count: int = 20, first: int = 0, targets: int | None = None) -> None:
-    """Quality of the learned policy: visits, time, and gaps to the known results of every field.
-
-    Families, then methods. Fields are those of the library, by seed; none was trained on. Every
-    plan is checked. Gaps are to the best-known plan and to the best bound of
-    ``instances/best-known.csv``, or where a field has no row (``--targets``) to the best plan of
-    this run.
-    """
-    families = [name for name in what if name in FAMILIES] or ["nominal"]
-    methods = [name for name in what if name not in FAMILIES]
-    methods = methods or ["ppo", "ppo:decode=sample@1", "ppo:decode=beam@1"]
-    rows_of = best_known()
-
-    def planned(family: str, seed: int) -> tuple[str, float, dict[str, tuple[float, float, int]]]:
-        instance = adr_opt.generate(family, seed, targets=targets)
-        problem, built, _ = timed(lambda: ready(instance))
-        made = {spec: solved(problem, spec) for spec in methods}
-        found = {
-            spec: (result.objective, wall, len(adr_opt.check(instance, result.plan)))
-            for spec, (result, wall) in made.items()
-            if result.plan is not None
-        }
-        return instance.name, built, found
-
-    for family in families:
-        visits, walls = ({spec: list[float]() for spec in methods} for _ in range(2))
-        broken, tables = dict.fromkeys(methods, 0), list[float]()
-        best, bounds = list[float](), list[float | None]()
-        planned(family, first)  # kernels are compiled, and the network is loaded
-        for seed in range(first, first + count):
-            name, built, made = planned(family, seed)
-            tables.append(built)
-            for spec, (objective, wall, violations) in made.items():
-                visits[spec].append(objective)
-                walls[spec].append(wall)
-                broken[spec] += violations
-            known = rows_of.get(name)
-            of_run = max(values[-1] for values in visits.values())
-            best.append(max(of_run, float(known["objective"])) if known else of_run)
-            bounds.append(float(known["upper_bound"]) if known and known["upper_bound"] else None)
-        print(f"\n{family}, {count} fields")
-        head(
-            *("method", "visits, mean ± 95 %", "min–max", "gap to best-known", "gap to bound"),
-            *("time, median", "violations"),
-        )
-        for spec, found in visits.items():
-            to_best, to_bound = (
-                [(b - v) / b for b, v in zip(limits, found, strict=True) if b]
-                for limits in (best, bounds)
-            )
-            row(
-                f"`{spec}`",
-                interval(found),
-                f"{min(found):g}–{max(found):g}",
-                f"{fmean(to_best):.1%}",
-                f"{fmean(to_bound):.1%}" if len(to_bound) == len(found) else "unknown",
-                f"{1e3 * median(walls[spec]):.0f} ms",
-                broken[spec],
-            )
-        for name, limits in (("best known", best), ("best bound", bounds)):
-            if all(limits):
-                row(name, interval(limits), f"{min(limits):g}–{max(limits):g}", *[""] * 4)
-        print(f"\nTimetable besides: {1e3 * median(tables):.0f} ms a field, median.")
 
 
 def curve(file: str = SHIPPED) -> None:
@@ -518,7 +414,7 @@ FRESH_SEED = 8_100_000
 """First seed of the fields of :func:`ablation`."""
 
 
-def ablation(steps: int = 65_536, seeds: int = 1, fields: int = 50) -> None:
+def ablation(steps: int = 131_072, seeds: int = 1, fields: int = 50) -> None:
     """What rate, observation and sharing of weights are worth at equal steps on nominal fields."""
     from adr_opt.learning.training.configs import POLICY, PUBLISHED_CONFIG
     from adr_opt.learning.training.trainer import train
@@ -584,8 +480,6 @@ if __name__ == "__main__":
         experiment(
             __doc__,
             environment,
-            worlds,
-            policy,
             curve,
             evaluated,
             decisions,

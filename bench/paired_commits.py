@@ -52,8 +52,10 @@ class Side:
         Where the commit is checked out.
     scratch : Path
         An own folder, for kernels and for the entry points of the commit.
-    tiny : bool
-        On tiny fields.
+    script : Path
+        Of the works.
+    *options : str
+        Its options.
 
     Raises
     ------
@@ -61,9 +63,9 @@ class Side:
         The process ended, or runs other code.
     """
 
-    def __init__(self, tree: Path, scratch: Path, tiny: bool) -> None:
+    def __init__(self, tree: Path, scratch: Path, script: Path, *options: str) -> None:
         self._process = subprocess.Popen(
-            [sys.executable, "-P", str(WORKS), *(["--tiny"] if tiny else [])],
+            [sys.executable, "-P", str(script), *options],
             env=_surroundings(tree, scratch),
             cwd=scratch,
             text=True,
@@ -185,12 +187,13 @@ def measured(sides: Sequence[Side], works: Sequence[str], repeats: int) -> list[
 
 def compare(revisions: Mapping[str, str | None], arguments: argparse.Namespace) -> None:
     """Measure both sides and print the table."""
+    tiny = ["--tiny"] if arguments.tiny else []
     with ExitStack() as stack:
         scratch = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="paired-commits-")))
         sides, works = [], list(arguments.works)
         for name, revision in revisions.items():
             tree = stack.enter_context(checked_out(revision, scratch / name / "tree"))
-            with Side(tree, scratch / name, arguments.tiny) as compiling:
+            with Side(tree, scratch / name, WORKS, *tiny) as compiling:
                 works = works or compiling.works
                 if unknown := sorted(set(works) - set(compiling.works)):
                     known = ", ".join(compiling.works)
@@ -198,7 +201,7 @@ def compare(revisions: Mapping[str, str | None], arguments: argparse.Namespace) 
                 for work in works:
                     compiling.do(work)
                     print(f"{name}: {work} is compiled", file=sys.stderr)
-            sides.append(stack.enter_context(Side(tree, scratch / name, arguments.tiny)))
+            sides.append(stack.enter_context(Side(tree, scratch / name, WORKS, *tiny)))
         for side in sides:
             for work in works:
                 side.do(work)

@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/model.md, waiting.md, drift.md, refining-measured.md and index.md.
+"""Draw the pictures of docs/model.md, waiting.md, drift.md, refining.md and index.md.
 
     python docs/draw_model.py              # into docs/pictures
     python docs/draw_model.py --out DIR

@@ -110,14 +110,9 @@ def path_in(folder: Path, *, create: bool) -> Path:
     Raises
     ------
     InputError
-        The folder cannot be written to, there is no file, or one of the version before.
+        The folder cannot be written to, or there is no file.
     """
     path = folder / FILE
-    if not path.exists() and (folder / "results.sqlite").exists():
-        raise InputError(
-            f"{folder / 'results.sqlite'}: results of version 1.0, which this version does not "
-            "read; give another folder with --out"
-        )
     if not create and not path.exists():
         raise InputError(f"{path}: no such file; run once without --report-only first")
     try:

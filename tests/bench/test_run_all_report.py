@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import re
-import time
 from itertools import product
 from pathlib import Path
 
@@ -242,26 +241,3 @@ def test_the_page_names_calibration_machine_and_published_numbers(
     figures = re.search(r'<script type="application/json" id="figures">(.*?)</script>', page)
     assert figures is not None
     assert set(json.loads(figures[1])) == {"figure-0", "figure-1", "figure-2"}
-
-
-@pytest.mark.slow
-def test_ten_thousand_rows_are_reported_in_five_seconds(load: Load, tmp_path: Path) -> None:
-    """The report of 10,000 rows takes less than 5 s."""
-    asked = protocol(
-        load,
-        "greedy",
-        "greedy-guarded",
-        "mcts",
-        "beam",
-        "auto",
-        fields=100,
-        iterations=10,
-        suites=("nominal", "reduced-time"),
-    )
-    path = filled(load, tmp_path, asked)
-    assert len(path.read_bytes().splitlines()) == 10_001
-    began = time.perf_counter()
-    load("harness.report.write").write(path, tmp_path)
-    seconds = time.perf_counter() - began
-    print(f"10,000 rows reported in {seconds:.2f} s")
-    assert seconds < 5.0

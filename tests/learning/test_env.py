@@ -402,7 +402,7 @@ def test_the_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.Monkey
     """
     monkeypatch.chdir(tmp_path)
     page = (Path(__file__).parents[2] / "docs/environment.md").read_text(encoding="utf-8")
-    first, planned, second = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    first, planned, second, *_ = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     names: dict[str, Any] = {"SMALL": SMALL}
     exec(first.replace("adr_opt.learning.environment.VARIED", "SMALL"), names)
     assert names["terminated"]
@@ -437,6 +437,16 @@ def test_the_script_without_a_library_of_learners_runs(monkeypatch: pytest.Monke
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "examples" / "training"))
     alone = importlib.import_module("ppo_alone")
     assert 0.0 < alone.main(600, count=8, pool=2, held=1) <= 50.0
+
+
+@pytest.mark.slow
+def test_the_environment_plays_in_torchrl(monkeypatch: pytest.MonkeyPatch) -> None:
+    """examples/training/torchrl_missions.py plays legal moves to the end of each mission."""
+    pytest.importorskip("torchrl")
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "examples" / "training"))
+    for told in importlib.import_module("torchrl_missions").main(2):
+        assert told["next", "done"].sum() == 1
+        assert told["action_mask"].gather(1, told["action"].unsqueeze(1)).all()
 
 
 @pytest.mark.slow

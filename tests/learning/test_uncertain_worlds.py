@@ -287,9 +287,9 @@ def test_the_id_plays_worlds_that_differ_from_reset_to_reset() -> None:
 
 
 def test_the_examples_of_the_page_run() -> None:
-    """The examples of docs/uncertain-worlds.md run as they stand, but for their fields."""
-    page = (Path(__file__).parents[2] / "docs/uncertain-worlds.md").read_text(encoding="utf-8")
-    one, many = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    """The examples of docs/environment.md run as they stand, but for their fields."""
+    page = (Path(__file__).parents[2] / "docs/environment.md").read_text(encoding="utf-8")
+    one, many = re.findall(r"```python\n(.*?)```", page, re.DOTALL)[3:]
     names: dict[str, Any] = {"SMALL": SMALL}
     exec(one.replace("fields=PUBLISHED", "fields=SMALL, pool=2"), names)
     assert names["terminated"]

@@ -1,4 +1,4 @@
-"""Free motion in mean elements: Kepler's, with the secular rates of J2 (docs/drift.md).
+"""Free motion in mean elements: Kepler's, with the secular rates of J2 (docs/model.md section 1.3).
 
 A state is a place and a velocity, taken for those of a mean orbit. Until the next burn the mean
 anomaly advances at its rate, and the plane's own line of apsides and its node turn at theirs. No
@@ -58,7 +58,7 @@ def rates(state, oblateness, slopes):
     cosine = hz / h
     square = cosine * cosine
     root = math.sqrt(min(parameter * inverse, 1.0))
-    # Kozai's first-order rates (docs/drift.md), in p, 1/a and cos i alone.
+    # Kozai's first-order rates (docs/model.md section 1.3), in p, 1/a and cos i alone.
     pull = 1.5 * oblateness / (parameter * parameter) * n
     anomaly = n + 0.5 * pull * root * (3.0 * square - 1.0)
     apsis = 0.5 * pull * (5.0 * square - 1.0)

@@ -1,4 +1,4 @@
-"""docs/refining-measured.md says what its picture shows."""
+"""docs/refining.md says what its picture shows."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def test_the_page_says_what_the_picture_shows() -> None:
     """The totals and shares beside the picture of planned and flown legs are those drawn."""
     pytest.importorskip("matplotlib")
     own, free = runpy.run_path(str(ROOT / "docs/draw_model.py"))["refined_cloud"]()
-    page = " ".join((ROOT / "docs/refining-measured.md").read_text(encoding="utf-8").split())
+    page = " ".join((ROOT / "docs/refining.md").read_text(encoding="utf-8").split())
     shares = [leg.flown_delta_v_m_s / leg.planned_delta_v_m_s for leg in free.legs]
     # Numbers of another machine differ in what an optimiser leaves: a tenth of a metre per second.
     said = page.partition("It is planned with ")[2].partition(" times the plan of a leg")[0]
