@@ -24,6 +24,18 @@ from .requests import ChooseRequest, JobRequest, ShowRequest
 from .session import EditingSession
 
 
+def choices() -> dict[str, Any]:
+    """Methods, bounds, options of an import, and verbs with theirs, as JSON data."""
+    return {
+        "methods": list(names(PLANNERS)),
+        "bounds": list(names(BOUNDS)),
+        "method": DEFAULT_METHOD,
+        "time_limit_s": DEFAULT_TIME_LIMIT_S,
+        "import": [option.to_dict() for option in OPTIONS],
+        "verbs": {name: verb.to_dict() for name, verb in VERBS.items()},
+    }
+
+
 class Backend:
     """State shown and changed by the page.
 
