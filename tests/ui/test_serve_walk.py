@@ -242,7 +242,7 @@ def every_verb(tab: browser.Browser) -> None:
 
 def points(tab: browser.Browser) -> None:
     """Open the plan of a point by its dot, and of another one by its button and a key."""
-    tab.evaluate("document.querySelector('[data-verb=tradeoff] .acts button:nth-child(2)').click()")
+    tab.evaluate("document.querySelector('[aria-label^=Points]').click()")
     tab.wait_for("document.querySelectorAll('#points .dot').length === 2")
     judged(tab, LOOKS[-1:])
     before = asked(tab, "/state")["result"]
