@@ -274,6 +274,9 @@ def budgets(trees: Mapping[str, ast.Module]) -> Iterator[tuple[str, str]]:
     for folders in (PACKAGES, ("bench",), ("tests",)):
         total = sum(len(text.splitlines()) for text in files(*folders))
         yield f"lines of {' and '.join(folders)}", str(total)
+    kinds = ("py", "js", "css", "html")
+    total = sum(len(text.splitlines()) for end in kinds for text in files("adr_opt/ui", ending=end))
+    yield "lines of adr_opt/ui with scripts and styles", str(total)
     yield "words in docs/", str(sum(len(text.split()) for text in files("docs", ending="md")))
     yield "docstring lines of a public name", f"{lines_of_docstrings(trees):.2f}"
 

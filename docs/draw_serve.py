@@ -3,6 +3,7 @@
     python docs/draw_serve.py              # into docs/pictures
     python docs/draw_serve.py --out DIR
     python docs/draw_serve.py --checkout DIR --out DIR   # first screens of another version alone
+    python docs/draw_serve.py --frames     # time of scripts a frame while the globe turns, alone
 
 Drops a drawn catalogue and chooses ranges of it; plans a generated field, changes what is wanted of
 it, and plans again; and opens the reports of six kinds of missions. Needs
@@ -127,6 +128,40 @@ def first_screens(folder: Path, checkout: Path) -> Image.Image:
     return sheet
 
 
+PLAYED = """new Promise((done) => {
+  const [button, began] = [document.getElementById("play"), performance.now()];
+  let frames = 0;
+  const count = (now) => {
+    frames += 1;
+    if (now - began < 5000) requestAnimationFrame(count);
+    else { button.click(); done(frames); }
+  };
+  button.click();
+  requestAnimationFrame(count);
+})"""
+"""Plays five seconds; number of frames."""
+
+
+def frames(folder: Path) -> None:
+    """Print what the main thread takes a frame while time is played, by Chromium's own counters."""
+    with Browser(folder / "frames", width=SCREEN[0], height=SCREEN[1]) as tab:
+        for kind, (family, sizes) in KINDS.items():
+            tab.open(report_of(folder, ROOT, family, sizes))
+            tab.wait_for("document.documentElement?.dataset.complete", 300.0)
+            tab.call("Performance.enable", timeDomain="threadTicks")
+            before = tab.call("Performance.getMetrics")["metrics"]
+            count = tab.evaluate(PLAYED)
+            after = {
+                each["name"]: each["value"]
+                for each in tab.call("Performance.getMetrics")["metrics"]
+            }
+            taken = {each["name"]: after[each["name"]] - each["value"] for each in before}
+            script, task = (
+                1e3 * taken[name] / count for name in ("ScriptDuration", "TaskDuration")
+            )
+            print(f"{kind:12} {count:4} frames, scripts {script:5.1f} ms, all tasks {task:5.1f} ms")
+
+
 def few_colours(picture: Image.Image) -> Image.Image:
     """A picture in 256 colours, of which those of small marks count as much as those of faces."""
     return picture.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=3)
@@ -147,10 +182,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--out", type=Path, default=ROOT / "docs/pictures")
     parser.add_argument("--checkout", type=Path)
+    parser.add_argument("--frames", action="store_true")
     given = parser.parse_args()
     out = given.out
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
+        if given.frames:
+            frames(folder)
+            return
         few = few_colours(first_screens(folder, given.checkout or ROOT))
         few.save(out / "reports.png", optimize=True)
         if given.checkout is not None:

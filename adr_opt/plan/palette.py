@@ -26,6 +26,11 @@ REASONS = {
 }
 """Meaning of the reasons for unvisited targets."""
 
+REASON_TITLES = {reason: reason.replace("-", " ") for reason in REASONS} | {
+    "several": "several limits",
+    "delta-v": "ΔV",
+}
+
 
 def chaser_colours(instance: Instance) -> dict[str, str]:
     """Colour of each chaser; an only chaser has that of phasing."""

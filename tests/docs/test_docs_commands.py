@@ -177,10 +177,11 @@ def test_the_commands_of_a_page_run(cli: Cli, tmp_path: Path, page: str) -> None
         ["refine", "my.json", "plan.json", "--out", "refined.json"],
     ):
         assert cli(*words).status == 0
-    for table in re.findall(r"(?s)```csv\n(.*?)```", read(f"docs/{page}.md")):
+    text = re.sub(r"\\\n\s*", "", read(f"docs/{page}.md"))  # lines that go on
+    for table in re.findall(r"(?s)```csv\n(.*?)```", text):
         Path("errors.csv").write_text(table, encoding="utf-8")
     ran = 0
-    for line in re.findall(r"(?m)^    python -m adr_opt .*$", read(f"docs/{page}.md")):
+    for line in re.findall(r"(?m)^    python -m adr_opt .*$", text):
         if not NEED_MORE.search(line):
             outcome = cli(*in_a_small_world(line.strip()))
             broken = " fly " in line and outcome.status == 1 and "is over by" in outcome.out

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from eccentric_fields import eccentric
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
@@ -698,20 +699,8 @@ def captured_campaign(seed: int) -> Instance:
 
 def freely(instance: Instance, seed: int) -> Instance:
     """The same on ellipses, with legs by free burns and without zones."""
-    rng = np.random.default_rng([15, seed])
-    targets = [
-        target.replace(
-            orbit=target.orbit.replace(
-                eccentricity=float(rng.uniform(0.0, 0.01)),
-                argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
-            )
-        )
-        for target in instance.targets
-        if target.orbit is not None
-    ]
-    return instance.replace(
+    return eccentric(instance, 0.01, [15, seed]).replace(
         name=f"{instance.name}-free",
-        targets=tuple(targets),
         keep_out_zones=(),
         transfer=instance.transfer.replace(burns="free"),
     )

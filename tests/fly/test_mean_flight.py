@@ -9,6 +9,7 @@ import time
 import numpy as np
 import pytest
 from drifting_plans import drifting_instance, drifting_plan
+from eccentric_fields import eccentric
 from plans import solved, unjudged, with_legs
 from towed_fields import field
 
@@ -45,22 +46,6 @@ def orbit(a: float, e: float, i: float) -> Orbit:
         raan_deg=30.0,
         argument_of_perigee_deg=200.0,
         true_anomaly_deg=70.0,
-    )
-
-
-def eccentric(instance: Instance, most: float, seed: int = 3) -> Instance:
-    """The field with eccentricities drawn up to some value."""
-    rng = np.random.default_rng(seed)
-    return instance.replace(
-        targets=tuple(
-            target.replace(
-                orbit=target.orbit.replace(
-                    eccentricity=float(rng.uniform(0.0, most)),
-                    argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
-                )
-            )
-            for target in instance.targets
-        )
     )
 
 
@@ -143,7 +128,7 @@ def test_a_body_left_to_itself_stays_where_it_is_said_to_be(
 
 def test_bodies_are_where_exports_have_them() -> None:
     """True states are those that export writes of the same bodies, by another formula."""
-    instance = eccentric(adr_opt.generate("rocket-bodies", 0, targets=4), 0.1)
+    instance = eccentric(adr_opt.generate("rocket-bodies", 0, targets=4), 0.1, 3)
     for target in instance.targets:
         for time_s in (0.0, 1e6, 3e7):
             states = body_states(instance, target.name, time_s, true_orbits=True)
@@ -205,7 +190,7 @@ def uneven(which: str) -> tuple[Instance, Plan]:
         return drifting_instance(0.003), drifting_plan(0.003)
     dynamics = which.split()[-1]
     instance = field(dynamics, 1) if "towed" in which else adr_opt.generate("tiny", 4)
-    instance = eccentric(instance.replace(dynamics=dynamics), 0.012)
+    instance = eccentric(instance.replace(dynamics=dynamics), 0.012, 3)
     return instance, solved(instance)
 
 

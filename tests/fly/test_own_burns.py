@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from eccentric_fields import eccentric
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
@@ -14,33 +15,17 @@ from adr_opt.fly.refine.leg import FlownImpulses, LegEnds, close, residual
 from adr_opt.fly.refine.one_leg import planned_angles
 from adr_opt.fly.refine.own_burns import cheapest_near
 from adr_opt.plan.plan import Plan
-from adr_opt.problem.instance import Instance
 
 Case = tuple[LegEnds, FlownImpulses, np.ndarray]
-
-
-def eccentric(seed: int) -> Instance:
-    """A tiny field under J2, of orbits with e up to 0.02."""
-    instance = adr_opt.generate("tiny", seed).replace(dynamics="j2")
-    rng = np.random.default_rng(seed)
-    targets = tuple(
-        target.replace(
-            orbit=target.orbit.replace(
-                eccentricity=0.02 * float(rng.random()),
-                argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
-            )
-        )
-        for target in instance.targets
-    )
-    return instance.replace(targets=targets)
 
 
 @cache
 def cases(shape: str) -> tuple[Case, ...]:
     """Transfers of a plan: their course, the closed burns of the plan, and those as planned."""
-    instance = {"ellipses": lambda: eccentric(0), "circles": lambda: adr_opt.generate("tiny", 0)}[
-        shape
-    ]()
+    instance = {
+        "ellipses": lambda: eccentric(adr_opt.generate("tiny", 0).replace(dynamics="j2"), 0.02, 0),
+        "circles": lambda: adr_opt.generate("tiny", 0),
+    }[shape]()
     plan = adr_opt.solve(instance, "greedy-guarded").plan
     assert isinstance(plan, Plan)
     bodies = TrueBodies(instance, instance.dynamics, instance.names)

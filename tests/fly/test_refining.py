@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from conftest import Cli
 from drifting_plans import drifting_instance, drifting_plan
+from eccentric_fields import eccentric
 from plans import moved_to, solved, unjudged, with_legs
 from seeds import first_of
 
@@ -36,17 +37,7 @@ def mission(seed: int, dynamics: str = "j2", eccentricity: float = 0.0) -> tuple
     """A tiny mission and a plan; with e > 0 perigees and shapes differ from target to target."""
     instance = adr_opt.generate("tiny", seed).replace(dynamics=dynamics)
     if eccentricity:
-        rng = np.random.default_rng(seed)
-        targets = tuple(
-            target.replace(
-                orbit=target.orbit.replace(
-                    eccentricity=eccentricity * float(rng.random()),
-                    argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
-                )
-            )
-            for target in instance.targets
-        )
-        instance = instance.replace(targets=targets).with_limits(delta_v_m_s=5000.0)
+        instance = eccentric(instance, eccentricity, seed).with_limits(delta_v_m_s=5000.0)
     return instance, solved(instance)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from conftest import Cli, refused
+from eccentric_fields import eccentric
 from seeds import first_of
 from small_missions import random_mission
 
@@ -31,26 +32,16 @@ from adr_opt.problem.instance import Instance
 QUICK = "greedy-guarded"
 
 
-def eccentric(seed: int, dynamics: str, tank_m_s: float) -> Instance:
+def on_ellipses(seed: int, dynamics: str, tank_m_s: float) -> Instance:
     """A tiny field with e up to 0.02: what the plan's own burns cost is far from the plan."""
-    instance = adr_opt.generate("tiny", seed).replace(dynamics=dynamics)
-    rng = np.random.default_rng(seed)
-    targets = tuple(
-        target.replace(
-            orbit=target.orbit.replace(
-                eccentricity=0.02 * float(rng.random()),
-                argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
-            )
-        )
-        for target in instance.targets
-    )
-    return instance.replace(targets=targets).with_limits(delta_v_m_s=tank_m_s)
+    drawn = adr_opt.generate("tiny", seed).replace(dynamics=dynamics)
+    return eccentric(drawn, 0.02, seed).with_limits(delta_v_m_s=tank_m_s)
 
 
 @cache
 def breaking() -> tuple[Instance, RefinedResult]:
     """A mission whose first plan breaks its tank when refined, planned until it holds."""
-    instance = eccentric(0, "j2", 600.0)
+    instance = on_ellipses(0, "j2", 600.0)
     return instance, adr_opt.solve_refined(instance, "exact", freedom="planned", time_limit=60.0)
 
 
@@ -101,7 +92,7 @@ def test_a_plan_that_holds_at_once_keeps_its_proof() -> None:
 @pytest.mark.parametrize("seed", first_of(range(4), gate=2))
 def test_every_mission_ends_with_a_plan_that_holds(seed: int, dynamics: str, freedom: str) -> None:
     """Whatever the tank and the burns, what is returned holds in the other integrator."""
-    instance = eccentric(seed, dynamics, [250.0, 400.0, 700.0, 1200.0][seed])
+    instance = on_ellipses(seed, dynamics, [250.0, 400.0, 700.0, 1200.0][seed])
     found = adr_opt.solve_refined(instance, QUICK, freedom=freedom, seed=seed)
     if found.reason:
         assert found.refined is None or found.rounds[-1].troubles
@@ -111,7 +102,7 @@ def test_every_mission_ends_with_a_plan_that_holds(seed: int, dynamics: str, fre
 
 def test_the_margin_is_kept_back_of_flown_delta_v() -> None:
     """With a margin no tank is flown further than what is left of it."""
-    instance = eccentric(0, "j2", 600.0)
+    instance = on_ellipses(0, "j2", 600.0)
     found = adr_opt.solve_refined(instance, QUICK, freedom="planned", margin=0.1)
     assert_holds(instance, found)
     assert found.refined is not None
@@ -125,7 +116,7 @@ def test_a_mission_that_cannot_hold_ends_with_a_reason(cli: Cli) -> None:
 
     By the model there is a plan, and the command line writes it before it says that it breaks.
     """
-    whole = eccentric(0, "j2", 5000.0)
+    whole = on_ellipses(0, "j2", 5000.0)
     first = adr_opt.solve(whole.replace(targets=whole.targets[:1]), "exact").plan
     assert first is not None
     alone = whole.replace(targets=(whole.targets[0].replace(required=True),))
@@ -370,7 +361,7 @@ def test_when_rounds_are_over_what_holds_of_a_plan_is_kept() -> None:
 
 def test_what_holds_of_a_route_with_kits_takes_fewer_of_them_along() -> None:
     """Legs that are kept have the masses of a chaser that takes no kits for those left out."""
-    instance = eccentric(2, "j2", 600.0)
+    instance = on_ellipses(2, "j2", 600.0)
     chaser = instance.chaser.replace(
         tank={"dry_mass_kg": 100.0, "propellant_kg": 24.0, "isp_s": 300.0}, kit_mass_kg=2.0
     )

@@ -10,6 +10,7 @@ import pytest
 from against_enumeration import held
 from catalogue_files import as_json, field
 from conftest import Cli, refused
+from eccentric_fields import eccentric
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_rules import rounding_mission
@@ -39,19 +40,9 @@ ELLIPSE = TransferSettings(approach="safety-ellipse")
 
 def mission(seed: int, dynamics: str = "j2", **changes: float) -> Instance:
     """A tiny field whose targets are approached on safety ellipses, and are not quite round."""
-    drawn, rng = adr_opt.generate("tiny", seed, targets=6), np.random.default_rng(seed)
-    targets = tuple(
-        target.replace(
-            orbit=target.orbit.replace(
-                eccentricity=float(rng.uniform(0.0, 0.005)),
-                argument_of_perigee_deg=float(rng.uniform(0.0, 360.0)),
-            )
-        )
-        for target in drawn.targets
-        if target.orbit is not None
-    )
+    drawn = eccentric(adr_opt.generate("tiny", seed, targets=6), 0.005, seed)
     transfer = drawn.transfer.replace(approach="safety-ellipse", **changes)
-    return drawn.replace(dynamics=dynamics, transfer=transfer, targets=targets)
+    return drawn.replace(dynamics=dynamics, transfer=transfer)
 
 
 @settings(max_examples=60, deadline=None)

@@ -93,7 +93,11 @@ def test_windows_stand_in_a_file(instance: Instance, suffix: str, tmp_path: Path
         assert target.capture_s == 600.0
     windows = limits_of(again).windows
     assert windows.closing[-1] == -np.inf
-    assert Mission(again.part([names[0]])).rules.windows.opening[-1] == 5e3
+    part = again.part([names[0]])
+    assert Mission(part).rules.windows.opening[-1] == 5e3
+    part.save(tmp_path / "part.json")  # beside the whole, whose file it leaves alone
+    assert adr_opt.load(tmp_path / "part.json") == part
+    assert adr_opt.load(tmp_path / "a.json") == made
 
 
 def test_a_file_of_windows_has_to_be_the_one_named(instance: Instance, tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from adr_opt.ui import plot
 from adr_opt.ui.plot.budget import budgets
 from adr_opt.ui.plot.gantt import segments
 from adr_opt.ui.plot.strands import tracks
-from adr_opt.ui.plot.traffic import also_there, stays
+from adr_opt.ui.plot.traffic import also_there, stays, traffic_chart
 
 pytest.importorskip("plotly.graph_objects")
 
@@ -35,6 +35,15 @@ DAY_S = 86400.0
 @pytest.fixture(scope="module", params=["two-body", "j2"])
 def mission(request: pytest.FixtureRequest) -> tuple[Instance, Plan]:
     return campaign(request.param), planned(request.param)
+
+
+def test_refuellings_are_counted_over_time(mission: tuple[Instance, Plan]) -> None:
+    """The line of a station rises by one at the end of each refuelling there, of any chaser."""
+    instance, plan = mission
+    ends = sorted(leg.end_s / DAY_S for leg in plan.legs if leg.destination == "station")
+    (line,) = traffic_chart(instance, plan).series
+    assert list(line.x) == pytest.approx([0.0, *ends])
+    assert list(line.y) == list(range(len(ends) + 1))
 
 
 def test_each_chaser_has_a_lane(mission: tuple[Instance, Plan]) -> None:

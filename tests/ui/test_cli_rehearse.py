@@ -10,6 +10,9 @@ import pytest
 from conftest import Cli
 
 import adr_opt
+from adr_opt.analysis.rehearse.sampling import rehearse
+from adr_opt.problem.uncertainty import Uncertainty
+from adr_opt.ui.plot.studies import delta_v_spread, visits_spread
 
 UNCERTAIN = '{"legs": {"delta_v_factor": {"lognormal_sigma": 0.2}}, "capture": {"success": 0.7}}'
 
@@ -46,6 +49,25 @@ def test_the_page_needs_nothing_from_elsewhere(rehearsed) -> None:
     assert "<script" not in page
     assert "http" not in page.replace("http-equiv", "")
     assert "by follow: prize" in outcome.out
+
+
+def test_all_rehearsals_are_in_both_distributions() -> None:
+    """Each rehearsal is counted once by its visits and once by its ΔV, within their ends."""
+    instance = adr_opt.generate("tiny", 0)
+    plan = adr_opt.solve(instance, "greedy").plan
+    assert plan is not None
+    unsure = Uncertainty.model_validate(
+        {"legs": {"delta_v_factor": {"lognormal_sigma": 0.2}}, "capture": {"success": 0.7}}
+    )
+    made = rehearse(instance, plan, unsure, policy="follow", samples=40)
+    for chart, ends in (
+        (visits_spread(made), [len(each.course) for each in made.outcomes]),
+        (delta_v_spread(made), [each.delta_v_m_s for each in made.outcomes]),
+    ):
+        counted, planned = chart.series
+        assert sum(counted.y) == 40
+        assert counted.x[0] <= min(ends) < max(ends) <= counted.x[-1]
+        assert len(set(planned.x)) == 1
 
 
 def test_a_replay_is_a_plan_of_its_world(rehearsed, cli: Cli) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import re
 from pathlib import Path
 
@@ -68,6 +69,27 @@ def test_charts_fit_on_paper(tmp_path: Path) -> None:
         assert tab.evaluate("document.getElementById('budget').layout.xaxis.range") == days
         tab.evaluate("window.dispatchEvent(new Event('afterprint'))")
         tab.wait_for(f"Math.max(...{widths}) === {wide}")
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=[] if kind == "campaign" else pytest.mark.slow) for kind in KINDS],
+)
+def test_two_pages_are_printed_where_they_are_asked_for(tmp_path: Path, kind: str) -> None:
+    """One sheet has the story with the globe, the other the legs; printed otherwise it has all."""
+
+    def sheets() -> int:
+        pdf = base64.b64decode(tab.call("Page.printToPDF", printBackground=True)["data"])
+        return len(re.findall(rb"/Type\s*/Page\b", pdf))
+
+    write_report(*flown(kind), tmp_path / "mission.html")
+    with browser.Browser(tmp_path / "profile", width=1400, height=900) as tab:
+        tab.open(tmp_path / "mission.html")
+        tab.wait_for("document.documentElement?.dataset.complete")
+        tab.evaluate("window.print = () => {}; document.getElementById('brief').click()")
+        assert sheets() == 2
+        assert sheets() > 3
 
 
 def test_the_sentence_says_what_the_plan_says() -> None:

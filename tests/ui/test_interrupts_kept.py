@@ -202,7 +202,7 @@ def test_a_second_interrupt_aborts_a_training(tmp_path: Path) -> None:
     )
     os.close(theirs)
     said = read_until(ours, b"preparing fields")
-    said += read_until(ours, b"steps/s")
+    said += read_until(ours, b"steps")
     process.send_signal(signal.SIGINT)
     said += read_until(ours, b"again to abort")
     process.send_signal(signal.SIGINT)

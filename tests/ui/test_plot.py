@@ -16,7 +16,7 @@ from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import KeepOutZone
 from adr_opt.ui import plot
-from adr_opt.ui.plot.budget import budget
+from adr_opt.ui.plot.budget import budgets
 from adr_opt.ui.plot.nodes import raan_deg
 from adr_opt.ui.plot.strands import tracks
 
@@ -127,7 +127,7 @@ def test_a_level_arc_is_two_points_and_a_ring_closes(flown) -> None:
 def test_the_budget_ends_every_leg_as_the_plan_says(flown) -> None:
     """ΔV left falls burn by burn to what the plan states after each leg."""
     instance, plan = flown
-    course = budget(instance, plan)
+    course = budgets(instance, plan)[instance.chaser.name]
     for number, leg in enumerate(plan.legs, start=1):
         last = max(at for at, of_leg in enumerate(course.legs) if of_leg == number)
         assert course.left_m_s[last] == pytest.approx(leg.delta_v_left_m_s, abs=1e-3)

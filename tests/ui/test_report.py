@@ -6,6 +6,7 @@ import importlib.util
 import json
 import re
 import sys
+from collections import Counter
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -18,7 +19,8 @@ from report_data import data
 import adr_opt
 from adr_opt.fly.flight import fly
 from adr_opt.fly.flight.mean_flight import fly_mean
-from adr_opt.plan.plan import Plan
+from adr_opt.plan.palette import REASON_TITLES, REASONS
+from adr_opt.plan.plan import Plan, Unvisited
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import KeepOutZone
 from adr_opt.ui import plot
@@ -382,6 +384,24 @@ def test_planes_are_numbered_by_legs(mission) -> None:
     for (_, leg), inclination in zip(visits, numbers["y"], strict=True):
         assert inclination == pytest.approx(orbits[leg.destination].inclination_deg, abs=1e-4)
     assert len(set(numbers["textposition"])) > 4
+
+
+def test_planes_show_why_targets_are_left_out(mission) -> None:
+    """Each target left out has the mark of its reason, which no other reason has."""
+    instance, plan = mission
+    reasons = list(REASONS)
+    left = tuple(
+        Unvisited(target=target.name, reason=reasons[at % len(reasons)])
+        for at, target in enumerate(instance.targets)
+        if target.name not in plan.destinations
+    )
+    drawn = figures.planes(instance, plan.replace(unvisited=left))["data"]
+    marks = {one["name"]: one for one in drawn if one["name"].startswith("left out, ")}
+    wanted = Counter(REASON_TITLES[each.reason] for each in left)
+    assert set(marks) == {f"left out, {reason}: {count}" for reason, count in wanted.items()}
+    assert len({one["marker"]["symbol"] for one in marks.values()}) == len(marks) > 3
+    for title, one in marks.items():
+        assert len(one["ids"]) == int(title.rpartition(" ")[2])
 
 
 def test_legs_in_the_list_keep_their_catalogue_numbers(mission) -> None:

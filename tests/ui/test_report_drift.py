@@ -26,7 +26,7 @@ from adr_opt.fly.refine import refine
 from adr_opt.kernels.orbits import columns
 from adr_opt.plan.refined_plan import Missing
 from adr_opt.ui import plot
-from adr_opt.ui.plot.budget import budget
+from adr_opt.ui.plot.budget import budgets
 from adr_opt.ui.plot.nodes import Nodes, nodes_of, of_body, of_track
 from adr_opt.ui.plot.strands import tracks
 
@@ -279,7 +279,7 @@ def test_segments_and_tracks_fill_the_mission() -> None:
 def test_the_budget_falls_to_what_the_plan_states() -> None:
     """Burns of a drift take their shares of its planned ΔV, so that nothing is ever given back."""
     instance, plan = (make() for make in MISSION)
-    course = budget(instance, plan)
+    course = budgets(instance, plan)[instance.chaser.name]
     assert all(after <= before for before, after in pairwise(course.left_m_s))
     for number, leg in enumerate(plan.legs, start=1):
         last = max(at for at, of_leg in enumerate(course.legs) if of_leg == number)

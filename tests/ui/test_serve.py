@@ -26,7 +26,7 @@ from adr_opt.problem.instance import Instance
 from adr_opt.run import front
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.planning import PlanningOrder
+from adr_opt.ui.serve.planning import PlannedRun, PlanningOrder
 from adr_opt.ui.serve.session import EditingSession
 from adr_opt.ui.serve.work import Work
 
@@ -71,7 +71,7 @@ def let_in(desk: EditingSession, **more: Any) -> Any:
     return client
 
 
-CHANGES = "edit undo redo plan stop sample upload worth choose jobs/stop show files/remove"
+CHANGES = "edit undo redo plan stop sample upload lift choose jobs/stop show files/remove"
 POSTS = [f"/{name}" for name in CHANGES.split()]
 """Addresses that nothing is got from."""
 
@@ -113,7 +113,7 @@ def test_the_token_opens_the_page_and_becomes_a_cookie(desk: EditingSession) -> 
         assert answer.headers["x-content-type-options"] == "nosniff"
         assert not [name for name in answer.headers if name.startswith("access-control")]
     framed = client.get("/report").headers["content-security-policy"]
-    assert framed == "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
+    assert framed == "sandbox allow-scripts allow-downloads allow-modals; frame-ancestors 'self'"
     assert not any(word in page.text for word in ("<style", "onclick", "style=", TOKEN))
 
 
@@ -233,6 +233,21 @@ def test_a_day_at_the_desk(desk: EditingSession, world: Path) -> None:
     assert adr_opt.load_plan(folder / "plan.json") == other
 
 
+def test_each_change_answers_with_the_state_that_it_leaves(desk: EditingSession) -> None:
+    """What is asked after an answer can be asked of the state in it."""
+    client = let_in(desk)
+    for path, content in (
+        ("/edit", {"duration_s": 60_000.0}),
+        ("/undo", {}),
+        ("/redo", {}),
+        ("/lift", {}),
+        ("/stop", {}),
+    ):
+        state = client.post(path, json=content).json()["state"]
+        assert state == client.get("/state").json()
+        assert state["revision"] == desk.revision
+
+
 def test_what_cannot_be_planned_is_said_on_the_page(desk: EditingSession) -> None:
     """Unknown methods and limits are refused; a mission without a plan says why."""
     client = let_in(desk)
@@ -278,7 +293,7 @@ def heard(desk: EditingSession, until: str, seconds: float = 60.0) -> list[tuple
 
 def test_incumbent_and_bound_are_told_as_they_come(desk: EditingSession) -> None:
     """Events tell the state, then the run, in numbers that JSON knows, and the plan at the end."""
-    desk.plan(PlanningOrder("exact", 60.0))
+    desk.plan(PlanningOrder(method="exact", time_limit_s=60.0))
     events = heard(desk, "done")
     assert events[0][0] == "state"
     last = events[-1][1]
@@ -289,10 +304,10 @@ def test_incumbent_and_bound_are_told_as_they_come(desk: EditingSession) -> None
     # One timetable for all that differ in prizes, targets and tanks.
     known = desk._work._reused._built
     desk.edit(read_edit(json.dumps(of("south", excluded=True))))
-    desk.plan(PlanningOrder("exact", 60.0))
+    desk.plan(PlanningOrder(method="exact", time_limit_s=60.0))
     assert wait(desk).incumbent == 2.0
     desk.edit(read_edit(json.dumps({"budget": {"chaser": "chaser", "amount": 1000.0}})))
-    desk.plan(PlanningOrder("exact", 60.0))
+    desk.plan(PlanningOrder(method="exact", time_limit_s=60.0))
     assert wait(desk).phase == "done"
     assert desk._work._reused._built is known
 
@@ -305,7 +320,7 @@ def test_the_run_ends_with_what_its_plan_states(
     field = adr_opt.generate("nominal", 0, targets=30)
     field.save(tmp_path / "my.json")
     made = session_of(field, None, Folder(tmp_path / "work", tmp_path / "my.json"))
-    made.plan(PlanningOrder("auto", 3.0))
+    made.plan(PlanningOrder(method="auto", time_limit_s=3.0))
     look, plan = wait(made), made.state()["plan"]
     assert any("nothing is proven" in note for note in plan["notes"])
     assert plan["upper_bound"] is None
@@ -327,7 +342,7 @@ def test_the_run_ends_with_what_the_result_states(desk: EditingSession) -> None:
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(front, "run", told_more)
-        desk.plan(PlanningOrder("beam", 3.0))
+        desk.plan(PlanningOrder(method="beam", time_limit_s=3.0))
         look = wait(desk)
     known = [
         value if math.isfinite(value) else None for value in (result.objective, result.upper_bound)
@@ -345,17 +360,20 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
     monkeypatch.chdir(tmp_path)
     results: list[tuple[str, float]] = []
 
-    def done(instance: Instance, result: Result) -> str:
-        results.append((instance.name, result.objective))
+    def done(instance: Instance, result: PlannedRun) -> str:
+        assert result.plan is not None
+        results.append((instance.name, result.plan.objective))
         return "well"
 
     made, field = Work(done), adr_opt.generate("tiny", 0)
 
-    made.begin(field, PlanningOrder("patient", 3600.0), None)
+    made.begin(field, PlanningOrder(method="patient", time_limit_s=3600.0), None)
     until(lambda: made.progress().incumbent == 1.0)
     look = made.progress()
     assert (look.phase, look.bound, look.runs, look.stopping) == ("planning", 4.0, True, False)
-    made.begin(field.replace(name="second"), PlanningOrder("patient", 3600.0), None)
+    made.begin(
+        field.replace(name="second"), PlanningOrder(method="patient", time_limit_s=3600.0), None
+    )
     until(lambda: made.progress().incumbent == 1.0)
     assert made.progress().number == 2
     assert results == [("tiny-000", 3.0)]  # what every method falls back on
@@ -364,8 +382,8 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
     look = made.progress()
     assert (look.number, look.phase, look.said, look.stopping) == (2, "done", "well", True)
     assert [name for name, _ in results] == ["tiny-000", "second"]
-    made.begin(field, PlanningOrder("patient", 3600.0), None)
-    made.begin(field, PlanningOrder("patient", 3600.0), None)
+    made.begin(field, PlanningOrder(method="patient", time_limit_s=3600.0), None)
+    made.begin(field, PlanningOrder(method="patient", time_limit_s=3600.0), None)
     made.stop()
     assert made.wait(60.0)
     assert made.progress().number == 4
@@ -391,7 +409,7 @@ def test_a_planner_that_fails_leaves_its_reason_alone(
 ) -> None:
     """Whatever goes wrong in a run is said, without figures of another one; the next one begins."""
     client = let_in(desk)
-    desk.plan(PlanningOrder("greedy-guarded", 10.0))
+    desk.plan(PlanningOrder(method="greedy-guarded", time_limit_s=10.0))
     assert wait(desk).phase == "done"
     assert (desk.state()["result"], desk.state()["of_last_run"]) == (1, True)
 
@@ -400,7 +418,7 @@ def test_a_planner_that_fails_leaves_its_reason_alone(
 
     with monkeypatch.context() as patch:
         patch.setattr(place, broken)
-        desk.plan(PlanningOrder("greedy-guarded", 10.0))
+        desk.plan(PlanningOrder(method="greedy-guarded", time_limit_s=10.0))
         look = wait(desk)
     assert (look.phase, look.said) == ("failed", said)
     state = client.get("/state").json()
@@ -412,7 +430,7 @@ def test_a_planner_that_fails_leaves_its_reason_alone(
     # What is shown afterwards is not of the run that has failed.
     desk.show(1)
     assert (desk.state()["result"], desk.state()["of_last_run"]) == (1, False)
-    desk.plan(PlanningOrder("greedy-guarded", 10.0))
+    desk.plan(PlanningOrder(method="greedy-guarded", time_limit_s=10.0))
     assert wait(desk).phase == "done"
     assert desk.state()["of_last_run"]
 
@@ -429,13 +447,13 @@ def test_a_plan_begins_from_the_one_before(
         return run(*given, **more)
 
     monkeypatch.setattr(front, "run", noting)
-    desk.plan(PlanningOrder("exact", 60.0))
+    desk.plan(PlanningOrder(method="exact", time_limit_s=60.0))
     wait(desk)
     desk.edit(read_edit(json.dumps(of("north", excluded=True))))
     for order in (
-        PlanningOrder("exact", 60.0),
-        PlanningOrder("exact", 60.0, goes_on=False),
-        PlanningOrder("greedy", 20.0),
+        PlanningOrder(method="exact", time_limit_s=60.0),
+        PlanningOrder(method="exact", time_limit_s=60.0, goes_on=False),
+        PlanningOrder(method="greedy", time_limit_s=20.0),
     ):
         desk.plan(order)
         assert wait(desk).phase == "done"
@@ -448,7 +466,7 @@ def test_several_chasers_have_budgets_of_their_own(tmp_path: Path) -> None:
     desk = session_of(instance, None, Folder(tmp_path / "work", tmp_path / "my.json"))
     second = instance.chasers[1].name
     desk.edit(read_edit(json.dumps({"budget": {"chaser": second, "amount": 0.0}})))
-    desk.plan(PlanningOrder("greedy-guarded", 20.0))
+    desk.plan(PlanningOrder(method="greedy-guarded", time_limit_s=20.0))
     assert wait(desk).phase == "done"
     planned = adr_opt.load(tmp_path / "work/instance.json")
     plan = adr_opt.load_plan(tmp_path / "work/plan.json")
@@ -538,6 +556,6 @@ def test_numbers_that_are_not_finite_are_null(
     monkeypatch.setattr(desk, "state", spoilt)
     state = let_in(desk).get("/state").json()
     assert (state["duration_s"], state["chasers"]) == (None, [{"amount": None}, [None]])
-    desk.plan(PlanningOrder("greedy-guarded", 20.0))
+    desk.plan(PlanningOrder(method="greedy-guarded", time_limit_s=20.0))
     events = heard(desk, "done")
     assert [event["duration_s"] for name, event in events if name == "state"][:1] == [None]

@@ -193,8 +193,8 @@ def test_a_value_never_begins_an_option() -> None:
     """Each word of an option begins with the sign of that option, whatever its value is."""
     for verb in VERBS.values():
         for option in verb.options:
-            given: Any = {"number": 1, "text": "x=1", "flag": True, "choice": None}[option.kind]
-            if option.choices is not None:
+            given: Any = {"number": 1, "flag": True, "choice": None}.get(option.kind, "x=1")
+            if option.kind == "choice" and option.choices is not None:
                 given = option.choices()[0]
             word = option.word(given)
             assert word is None or word.partition("=")[0] == option.sign

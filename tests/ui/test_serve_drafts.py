@@ -103,7 +103,7 @@ def test_excluded_targets_take_their_given_connections_along(tmp_path: Path) -> 
     pytest.importorskip("pyarrow")
     given.save(tmp_path / "my.json")
     desk = session_of(given, None, Folder(tmp_path / "work", tmp_path / "my.json"))
-    desk.plan(PlanningOrder("greedy-guarded", 20.0))
+    desk.plan(PlanningOrder(method="greedy-guarded", time_limit_s=20.0))
     assert wait(desk).phase == "done"
     desk.edit(read_edit(json.dumps(of("beyond", excluded=True))))
     assert adr_opt.load(tmp_path / "work/instance.json").given.sha256 == given.given.sha256

@@ -159,7 +159,9 @@ def test_a_planning_process_that_dies_is_said_and_replaced(tmp_path: Path) -> No
     work = PlannerProcess(done, tmp_path)
     try:
         work.begin(
-            adr_opt.generate("nominal", 0, targets=30), PlanningOrder("local-search", 3600.0), None
+            adr_opt.generate("nominal", 0, targets=30),
+            PlanningOrder(method="local-search", time_limit_s=3600.0),
+            None,
         )
         until(lambda: work.progress().phase == "planning")
         assert work._process is not None
@@ -168,7 +170,7 @@ def test_a_planning_process_that_dies_is_said_and_replaced(tmp_path: Path) -> No
         look = work.progress()
         assert (look.number, look.phase) == (1, "failed")
         assert look.said.startswith("the process that plans has ended by signal 9")
-        work.begin(hand_made(), PlanningOrder("greedy-guarded", 20.0), None)
+        work.begin(hand_made(), PlanningOrder(method="greedy-guarded", time_limit_s=20.0), None)
         assert work.wait(60.0)
         assert (work.progress().number, work.progress().phase, work.progress().said) == (
             2,

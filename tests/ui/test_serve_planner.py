@@ -20,7 +20,7 @@ from adr_opt.ui.serve import planner_process
 from adr_opt.ui.serve.planner_process import PlannerProcess
 from adr_opt.ui.serve.planning import PlanningOrder, PlanningProgress
 
-ORDER = PlanningOrder("greedy-guarded", 5.0)
+ORDER = PlanningOrder(method="greedy-guarded", time_limit_s=5.0)
 
 
 class Puppet:

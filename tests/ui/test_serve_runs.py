@@ -199,7 +199,9 @@ def test_a_watch_makes_plans_of_the_best_routes(monkeypatch: pytest.MonkeyPatch)
     """Routes that are better than those before become plans; half a plan and worse ones do not."""
     monkeypatch.setattr(work, "PAUSE_S", 0.01)
     found: list[Plan] = []
-    watch = work.IncumbentWatch(problem_of(hand_made()), PlanningOrder("beam", 1.0), found.append)
+    watch = work.IncumbentWatch(
+        problem_of(hand_made()), PlanningOrder(method="beam", time_limit_s=1.0), found.append
+    )
     with watch:
         for routes, count in (
             ((numbers(HALF),), 1),

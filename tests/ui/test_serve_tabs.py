@@ -174,7 +174,7 @@ def test_a_page_of_an_earlier_server_follows_no_other(tab: browser.Browser, desk
                 put(tab, "Prize of north", "5")
                 on_page(tab, "revision", 1)
     second.close()
-    assert desk.revision == 1
+    assert desk.session.revision == 1
 
 
 def shown(tab: browser.Browser) -> list[str]:

@@ -193,7 +193,11 @@ VERBS: dict[str, dict[str, object]] = {
     "dispose": {"years": 1000},
     "check": {},
     "compare": {},
-    "tradeoff": {"vary": "delta-v=600,3000", "method": "greedy-guarded", "time_limit_s": 2},
+    "tradeoff": {
+        "vary": "delta-v",
+        **{"Vary, from": 600, "Vary, to": 3000, "Vary, step": 2400},
+        **{"method": "greedy-guarded", "time_limit_s": 2},
+    },
     "rehearse": {"samples": 20},
     "report": {},
 }
@@ -219,7 +223,7 @@ def every_verb(tab: browser.Browser) -> None:
     for verb, options in VERBS.items():
         ticked(tab, *((1, 2) if verb == "compare" else ()))
         for name, value in options.items():
-            put(tab, f"#{verb}-{name}", value)
+            put(tab, name if "," in name else f"#{verb}-{name}", value)
         if verb == "bound":
             tab.evaluate("document.getElementById('bound-certificate').click()")
         press(tab, verb)
@@ -238,7 +242,7 @@ def every_verb(tab: browser.Browser) -> None:
 
 def points(tab: browser.Browser) -> None:
     """Open the plan of a point by its dot, and of another one by its button and a key."""
-    tab.evaluate("document.querySelector('[data-verb=tradeoff] .acts button:nth-child(2)').click()")
+    tab.evaluate("document.querySelector('[aria-label^=Points]').click()")
     tab.wait_for("document.querySelectorAll('#points .dot').length === 2")
     judged(tab, LOOKS[-1:])
     before = asked(tab, "/state")["result"]

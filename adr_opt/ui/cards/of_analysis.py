@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from ...common.card import Card, CardTable, days, days_words, order_words
+from ...common.card import Card, CardTable, days_words, order_words
 from ...common.wording import counted
 from .of_plan import legs_table
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 def of_design_study(study: DesignStudy) -> Card:
     """The card of a study; on a page, with its points."""
+    from ..report.designs import design_columns
+
     varied = " and ".join(
         f"{axis.kind} ({counted(len(axis.values), 'value')})" for axis in study.axes
     )
@@ -30,34 +32,20 @@ def of_design_study(study: DesignStudy) -> Card:
         f"{len(study.front)} on the front",
         f"{study.runtime_s:.3g} s",
     )
-    front = study.front
-    rows = [
-        (point.design.title, *_worths(point), _millions(point), "yes" if at in front else "")
-        for at, point in enumerate(study.points)
-    ]
-    heads = ("design", "planned", "avoided", "at most", "M€", "front")
-    return Card("DesignStudy", f"of {study.instance.name!r}", facts, (), (CardTable(heads, rows),))
+    table = CardTable.of(enumerate(study.points), design_columns(study), texts=0)
+    return Card("DesignStudy", f"of {study.instance.name!r}", facts, (), (table,))
 
 
 def of_design_point(point: DesignPoint) -> Card:
     """The card of a point."""
-    _, worth, bound = _worths(point)
+    bound = f"{point.bound:,.6g}" if math.isfinite(point.bound) else "–"
     facts = (
-        f"{worth} avoided of at most {bound}",
-        f"{_millions(point)} million euros",
+        f"{point.worth:,.6g} avoided of at most {bound}",
+        f"{point.euros / 1e6:,.2f} million euros",
         counted(point.launches, "launch", "launches"),
         counted(point.removals, "removal"),
     )
     return Card("DesignPoint", f"at {point.design.title}", facts)
-
-
-def _worths(point: DesignPoint) -> tuple[str, str, str]:
-    values = [f"{value:,.6g}" for value in (point.floor, point.worth)]
-    return values[0], values[1], f"{point.bound:,.6g}" if math.isfinite(point.bound) else "–"
-
-
-def _millions(point: DesignPoint) -> str:
-    return f"{point.euros / 1e6:,.2f}"
 
 
 def of_rehearsals(made: Rehearsals) -> Card:
@@ -77,12 +65,11 @@ MENDED = {
 }
 MOST_MENDINGS = 3
 
-DRIVES = {"thrust": "N", "isp": "Isp s"}
-"""Headings of further columns of a trade-off, where they are varied."""
-
 
 def of_tradeoff(made: Tradeoff) -> Card:
-    """The card of a trade-off; on a page, with its points and their orders."""
+    """The card of a trade-off; on a page, with its points."""
+    from ..report.traded import point_columns
+
     varied = " and ".join(
         f"{axis.kind} ({counted(len(axis.values), 'value')})" for axis in made.axes
     )
@@ -92,22 +79,7 @@ def of_tradeoff(made: Tradeoff) -> Card:
         f"{made.proven} proven",
         f"{made.runtime_s:.3g} s",
     )
-    drives = [kind for kind in DRIVES if any(axis.kind == kind for axis in made.axes)]
-
-    def _value(kind: str) -> Callable[[Point], str]:
-        return lambda point: f"{point.value(kind):g}"
-
-    columns: dict[str, Callable[[Point], str]] = {
-        **{DRIVES[kind]: _value(kind) for kind in drives},
-        "ΔV m/s": lambda point: f"{point.delta_v_m_s:,.6g}",
-        "days": lambda point: days(point.duration_s),
-        "prize": lambda point: _prize(point.prize),
-        "at most": lambda point: _prize(point.upper_bound),
-        "visits": lambda point: f"{point.visits}",
-        "cost": lambda point: f"{point.cost:,.1f}" if math.isfinite(point.cost) else "–",
-        "status": lambda point: point.status,
-    }
-    table = CardTable.of(((point,) for point in made.points), columns, texts=0)
+    table = CardTable.of(((point,) for point in made.points), point_columns(made), texts=0)
     return Card("Tradeoff", f"of {made.instance.name!r}", facts, (), (table,))
 
 
@@ -153,19 +125,11 @@ def of_priced_route(route: PricedRoute) -> Card:
 
 def of_comparison(made: Comparison) -> Card:
     """The card of a comparison of plans."""
-    columns: dict[str, Callable[[Side], str]] = {
-        "plan": lambda side: side.name,
-        "method": lambda side: side.method,
-        "status": lambda side: side.status,
-        "prize": lambda side: f"{side.objective:g}",
-        "cost gap": lambda side: "" if side.cost_gap is None else f"{side.cost_gap:.1%}",
-        "visits": lambda side: f"{side.visits}",
-        "ΔV m/s": lambda side: f"{side.delta_v_m_s:,.1f}",
-        "ends day": lambda side: days(side.end_s),
-        "violations": lambda side: f"{side.violations}",
-    }
+    from ..report.compared import FIGURES
+
     facts = (counted(len(made.sides), "plan"),)
-    table = CardTable.of(((side,) for side in made.sides), columns, texts=3)
+    columns: dict[str, Callable[[Side], str]] = {"plan": lambda side: side.name, **FIGURES}
+    table = CardTable.of(((side,) for side in made.sides), columns)
     return Card("Comparison", f"on {made.instance.name!r}", facts, (), (table,))
 
 

@@ -47,9 +47,8 @@ def command(
     from ..report.plain import check_page, write_page
 
     instance = load(instance_path)
-    if page_path is not None:
-        check_page(page_path)
-        check_out(page_path, instance_path, *plan_paths)
+    check_page(page_path)
+    check_out(page_path, instance_path, *plan_paths)
     if len(set(plan_paths)) < len(plan_paths):
         raise InputError("a plan is given twice; give each once")
     plans = {_called(path, plan_paths): Plan.load(path) for path in plan_paths}

@@ -62,8 +62,7 @@ def command(
     from .tables import number_table
 
     check_outs((out, page_path), instance_path, plan_path)
-    if page_path is not None:
-        check_page(page_path)
+    check_page(page_path)
     stated = {"survives": survives, "piece_kg": piece_kg, "piece_m2": piece_m2, "fails": fails}
     debris = Debris(**{name: value for name, value in stated.items() if value is not None})
     admitted = admitted_plan(instance_path, plan_path)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...common.errors import InputError
 from . import param
+from .output import say
 from .signals import Aborted, signals_to
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from ...judge.admit import Admitted
     from ...plan.plan import Plan
     from ...plan.plan_flight import PlanFlight
+    from ...plan.refined_plan import RefinedPlan
     from ...problem.instance import Instance
 
 NOT_FLOWN = "not flown: "
@@ -60,6 +62,13 @@ def flight_line(flight: MeanFlight | str) -> str:
         return NOT_FLOWN + flight
     said = str(flight)
     return said if flight.holds else f"{said}; 'solve --refine' plans until the plan holds"
+
+
+def save_noted(refined: RefinedPlan, what: str, said: str, out: str, quiet: bool) -> None:
+    """Write a refined plan with a note on a flight, which replaces an earlier one of the kind."""
+    kept = tuple(note for note in refined.notes if not note.startswith(what))
+    refined.replace(notes=(*kept, f"{what}: {said}")).save(out)
+    say(f"wrote {out}", unless=quiet)
 
 
 def tanks_told(flight: Flight | RefinedFlight | ForcedFlight) -> list[str]:

@@ -9,8 +9,8 @@ import click
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import param
-from .flown import tanks_told
-from .output import emit, emit_json, say
+from .flown import save_noted, tanks_told
+from .output import emit, emit_json
 from .parameters import about
 
 if TYPE_CHECKING:
@@ -114,9 +114,7 @@ def fly_and_tell(
     with about(refined_path), counting_bar(wanted(as_json, quiet), "flying legs") as show:
         flight = fly_forced(admitted.instance, admitted, settings, show)
     if out is not None:
-        kept = tuple(note for note in refined.notes if not note.startswith(FLOWN))
-        refined.replace(notes=(*kept, f"{FLOWN}: {said(flight)}")).save(out)
-        say(f"wrote {out}", unless=quiet)
+        save_noted(refined, FLOWN, said(flight), out, quiet)
     if as_json:
         emit_json(flight.to_dict())
     else:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...common.wording import counted
-from .flown import tanks_told
+from .flown import save_noted, tanks_told
 from .fly_errors import Sampling, tell
-from .output import emit, emit_json, say
+from .output import emit, emit_json
 from .parameters import about
 
 if TYPE_CHECKING:
@@ -45,9 +45,7 @@ def fly_and_tell(
         with counting_bar(wanted(as_json, quiet), "flying legs") as show:
             flight = fly_refined(instance, admitted, show)
     if out is not None:
-        kept = tuple(note for note in refined.notes if not note.startswith(FLOWN))
-        refined.replace(notes=(*kept, f"{FLOWN}: {said(flight)}")).save(out)
-        say(f"wrote {out}", unless=quiet)
+        save_noted(refined, FLOWN, said(flight), out, quiet)
     if dispersion is not None:
         sampling.save_uncertainty(instance, refined, dispersion, quiet)
     if as_json:

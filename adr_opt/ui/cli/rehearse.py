@@ -117,8 +117,7 @@ def command(
         return _replay(setting, replay, out, out_instance, as_json, quiet)
     if out_instance is not None:
         raise InputError("--out-instance: only --replay writes an instance; give both")
-    if out is not None:
-        check_page(out)
+    check_page(out)
     if bounds:  # before rehearsals that may take hours
         check_worlds(bounds, seed, jobs, cluster)
         bounded_by = bounding.BoundSetting(

@@ -117,8 +117,7 @@ def command(
     read = (*files, satcat_path, table_path, campaign_path, launches_path)
     results = (out, removals_path, page_path)
     check_outs(results, *read)
-    if page_path is not None:
-        check_page(page_path)
+    check_page(page_path)
     if any(not pattern.strip() for pattern in exclude):
         raise InputError("--exclude '': give a part of a name or a pattern")
     settings = ScenarioSettings(

@@ -65,7 +65,7 @@ def command(
     from ...common.files import write_text
     from ...sources import catalogue
     from ..report.plain import check_page, write_page
-    from ..report.screened import screening_page
+    from ..report.screened import columns, knows_probabilities, screening_page
     from .tables import number_table
 
     check_outs((out, page_path), instance_path, refined_path, *files, errors_path)
@@ -107,31 +107,12 @@ def command(
         )
     elif others and not quiet:
         nearest = sorted(others, key=lambda each: each.miss_m)[:SHOWN]
-        headings = ["leg", "time", "miss [m]", "radial", "along", "cross", "speed [m/s]", "age [d]"]
-        if errors:
-            headings.append("probability")
-        rows = (
-            (
-                each.object,
-                f"{each.leg}",
-                each.epoch[:19],
-                *(
-                    f"{value:.0f}"
-                    for value in (each.miss_m, each.radial_m, each.along_m, each.cross_m)
-                ),
-                f"{each.speed_m_s:.0f}",
-                f"{each.age_days:.1f}",
-                *([_chance(each.probability)] if errors else []),
-            )
-            for each in nearest
-        )
+        shown = columns(probable=knows_probabilities(others))
+        headings = [title for title, *_ in shown]
+        rows = ([str(tell(each)) for *_, tell in shown] for each in nearest)
         title = f"The {len(nearest)} nearest approaches of {len(others)}"
-        emit_rich(number_table(title, headings, rows, first="object"))
+        emit_rich(number_table(title, headings[1:], rows, first=headings[0]))
     return 0
-
-
-def _chance(probability: float | None) -> str:
-    return "" if probability is None else f"{probability:.1e}"
 
 
 def _check_folder(folder: str, errors: str | None) -> None:

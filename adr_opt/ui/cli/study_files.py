@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from ..plot.chart import Chart
 
 
-def check_picture(path: str) -> None:
-    """Refuse a picture that cannot be drawn before long work begins.
+def check_picture(path: str | None) -> None:
+    """Refuse a picture, if one is wanted, that cannot be drawn before long work begins.
 
     Raises
     ------
@@ -26,6 +26,8 @@ def check_picture(path: str) -> None:
     MissingExtra
         matplotlib is not installed.
     """
+    if path is None:
+        return
     if not path.lower().endswith((".svg", ".png", ".pdf")):
         raise InputError(f"{path}: the picture is SVG, PNG or PDF; give a file that ends so")
     try:

@@ -103,14 +103,12 @@ def command(
     instance = load(instance_path)
     limit = front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
     costs = designs.EuroCosts(launch_cost, kit_cost, kg_cost)
+    check_page(page_path)
+    check_picture(plot_path)
     priced = any(cost is not None for cost in costs)
     if priced or worth_path or any(KINDS[axis.kind].of_designs for axis in axes):
         if frontier_path is not None:
             raise InputError("--frontier: designs have none; leave it out")
-        if page_path is not None:
-            check_page(page_path)
-        if plot_path is not None:
-            check_picture(plot_path)
         return designs.study(
             instance_path,
             instance,
@@ -130,10 +128,6 @@ def command(
     if frontier_path is not None:
         check_frontier(instance, axes)
         axes = axes or [Axis("duration", (instance.mission.duration_s,))]
-    if page_path is not None:
-        check_page(page_path)
-    if plot_path is not None:
-        check_picture(plot_path)
 
     def told(point: Point, board: KnownPoints) -> None:
         proven = sum(each.proven for each in board.points.values())

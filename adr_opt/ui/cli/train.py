@@ -5,21 +5,23 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ...common.errors import InputError, MissingExtra
 from . import param
-from .bars import busy_bar
 from .output import emit_json, say
 from .signals import INTERRUPTED
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
+    from .bars import Show
+
+
+PREPARING = "preparing fields"
 
 
 @click.command("train", short_help="Train a policy for the planner ppo.")
@@ -101,27 +103,41 @@ def command(
     if not nearest.is_dir():
         raise InputError(f"{nearest}: is a file; give a folder")
 
-    stopped = threading.Event()
-    last: dict[str, float] = {}
-
-    from .bars import wanted
+    from .bars import busy_bar, counting_bar, wanted
     from .signals import signals_to
 
-    with training_bar(wanted(as_json, quiet), quiet, chosen.steps) as bar:
+    stopped, live = threading.Event(), wanted(as_json, quiet)
+    last: dict[str, float] = {}
+    begun: list[tuple[int, float, Show]] = []
+    heard: list[str] = []
+    say(PREPARING, unless=quiet or live)
+    with ExitStack() as bars:
+        bars.enter_context(busy_bar(live, PREPARING))
 
         def interrupt() -> None:
-            if not bar.began:  # there is nothing yet to keep
+            if not begun:  # there is nothing yet to keep
                 raise KeyboardInterrupt
             stopped.set()
 
         def enough() -> bool:
-            if stopped.is_set():
-                bar.stop()
+            if stopped.is_set() and not heard:
+                heard.append("interrupted: waiting for the checkpoint; interrupt again to abort")
+                say(heard[0], unless=quiet)
             return stopped.is_set()
 
         def report(done: int, means: Mapping[str, float]) -> None:
+            if not begun:
+                bars.close()
+                show = bars.enter_context(counting_bar(live, "steps"))
+                begun.append((done, time.monotonic(), show))
+            first, since, show = begun[0]
+            show(done, chosen.steps or done)
             last.update(means)
-            bar.show(done, means)
+            if means:
+                rate = (done - first) / max(time.monotonic() - since, 1e-9)
+                held = ", ".join(f"{name} {value:.2f}" for name, value in means.items())
+                said = f"{done} steps, {rate:.0f} steps/s; visits on held fields: {held}"
+                say(said, unless=quiet)
 
         with signals_to(interrupt):
             train(
@@ -140,106 +156,3 @@ def command(
     if as_json:
         emit_json({"out": out, "config": config, "seed": seed, "held": last})
     return INTERRUPTED if stopped.is_set() else 0
-
-
-PREPARING = "preparing fields"
-
-
-@contextmanager
-def training_bar(live: bool, quiet: bool, steps: int | None) -> Iterator[TrainingBar]:
-    """Show that fields are prepared, then finished steps and evaluations.
-
-    Parameters
-    ----------
-    live : bool
-        Draw a bar; otherwise every evaluation is a line.
-    quiet : bool
-        Say nothing at all.
-    steps : int or None
-        Where the bar ends, if it is known.
-    """
-    say(PREPARING, unless=quiet or live)
-    with ExitStack() as bars:
-        bars.enter_context(busy_bar(live, PREPARING))
-        yield TrainingBar(bars, live, quiet, steps)
-
-
-class TrainingBar:
-    """The bar of :func:`training_bar`.
-
-    Attributes
-    ----------
-    began : bool
-        Whether fields are prepared, and steps are taken.
-    """
-
-    def __init__(self, bars: ExitStack, live: bool, quiet: bool, steps: int | None) -> None:
-        self._bars, self._live, self._quiet, self._steps = bars, live, quiet, steps
-        self._clock = _Clock()
-        self._bar: Progress | None = None
-        self._is_stopping = False
-        self.began = False
-
-    def show(self, done: int, means: Mapping[str, float]) -> None:
-        """Receive the number of finished steps, and an evaluation if there is a new one."""
-        if not self.began:
-            self.began = True
-            self._bars.close()
-            self._bar = self._steps_bar() if self._live else None
-        self._clock.begin(done)
-        if self._bar is not None:
-            more: dict[str, Any] = {"held": _text(means)} if means else {}
-            task = self._bar.task_ids[0]
-            self._bar.update(task, completed=done, rate=self._clock.rate(done), **more)
-        elif means:
-            rate = self._clock.rate(done)
-            say(f"{done} steps, {rate}; visits on held fields: {_text(means)}", unless=self._quiet)
-
-    def stop(self) -> None:
-        """Say, once, that an interruption was heard."""
-        if not self._is_stopping:
-            self._is_stopping = True
-            word = "interrupted: waiting for the checkpoint; interrupt again to abort"
-            say(word, unless=self._quiet)
-
-    def _steps_bar(self) -> Progress:
-        from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            MofNCompleteColumn,
-            Progress,
-            TextColumn,
-            TimeElapsedColumn,
-        )
-
-        columns = (
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[rate]}"),
-            TimeElapsedColumn(),
-            TextColumn("{task.fields[held]}"),
-        )
-        bar = self._bars.enter_context(Progress(*columns, console=Console(stderr=True)))
-        bar.add_task("train", total=self._steps, rate="", held="")
-        return bar
-
-
-class _Clock:
-    """Steps per second since the first report, without those before a resumption."""
-
-    def __init__(self) -> None:
-        self._first: tuple[int, float] | None = None
-
-    def begin(self, done: int) -> None:
-        if self._first is None:
-            self._first = (done, time.monotonic())
-
-    def rate(self, done: int) -> str:
-        self.begin(done)
-        assert self._first is not None
-        steps, began = self._first
-        return f"{(done - steps) / max(time.monotonic() - began, 1e-9):.0f} steps/s"
-
-
-def _text(means: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} {value:.2f}" for name, value in means.items())

@@ -6,7 +6,7 @@ import math
 import signal
 import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from .bars import live_line, wanted
 from .output import emit_json, say
@@ -49,6 +49,30 @@ class Watch:
         self.bound = min(self.bound, bound)
 
 
+class _Begun(threading.Thread, Generic[Found]):
+    """What is done in a thread, which the process does not wait for at its end."""
+
+    def __init__(self, task: Callable[[], Found]) -> None:
+        super().__init__(name="work", daemon=True)
+        self._task, self.done = task, threading.Event()
+        self._found: list[Found] = []
+        self._error: BaseException | None = None
+
+    def run(self) -> None:
+        try:
+            self._found.append(self._task())
+        except BaseException as error:
+            self._error = error
+        finally:
+            self.done.set()
+
+    def result(self) -> Found:
+        """What came of it, or the error that it ended with."""
+        if self._error is not None:
+            raise self._error
+        return self._found[0]
+
+
 def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Found:
     """Run a method in a thread, so that signals and the live line need not wait for kernels.
 
@@ -72,22 +96,12 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
     from ...kernels.core.cache import trouble
     from ...kernels.core.compile import is_compiling
 
-    stop, watch, done = Interrupted(), Watch(), threading.Event()
-    results: list[Found] = []
-    errors: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            results.append(task(stop, watch))
-        except BaseException as error:
-            errors.append(error)
-        finally:
-            done.set()
-
+    stop, watch = Interrupted(), Watch()
+    begun = _Begun(lambda: task(stop, watch))
     told = warned = sized = False
     with signals_to(stop.interrupt), live_line(live) as show:
-        threading.Thread(target=run, name="method", daemon=True).start()
-        while not done.wait(POLL_S):
+        begun.start()
+        while not begun.done.wait(POLL_S):
             compiling = is_compiling()
             show(watch.incumbent, watch.bound, watch.built, compiling)
             if compiling and not warned and not live and not quiet:
@@ -101,11 +115,10 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
                 told = True
     if trouble() is not None and not quiet:
         say(f"compiled kernels cannot be kept: {trouble()}")
-    if errors:
-        raise errors[0]
+    found = begun.result()
     if stop.is_set and not quiet:
         say("interrupted: this is the best result so far")
-    return results[0]
+    return found
 
 
 def attend(task: Callable[[], Found], what: str, *, live: bool) -> Found:
@@ -126,27 +139,14 @@ def attend(task: Callable[[], Found], what: str, *, live: bool) -> Found:
     """
     from .bars import busy_bar
 
-    done = threading.Event()
-    results: list[Found] = []
-    errors: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            results.append(task())
-        except BaseException as error:
-            errors.append(error)
-        finally:
-            done.set()
-
+    begun = _Begun(task)
     with busy_bar(live, what):
-        threading.Thread(target=run, name="work", daemon=True).start()
+        begun.start()
         try:
-            done.wait()
+            begun.done.wait()
         except KeyboardInterrupt:
             raise Aborted(signal.SIGINT) from None
-    if errors:
-        raise errors[0]
-    return results[0]
+    return begun.result()
 
 
 def run_method(

@@ -74,8 +74,7 @@ def command(
 
     read = (*files, satcat_path, table_path)
     check_outs((out, details, pairs, page_path), *read)
-    if page_path is not None:
-        check_page(page_path)
+    check_page(page_path)
     check_years(years)
     if any(not pattern.strip() for pattern in exclude):
         raise InputError("--exclude '': give a part of a name or a pattern")

@@ -186,11 +186,6 @@ def budgets(instance: Instance, plan: Plan) -> dict[str, Budget]:
     return {flown.chaser.name: _of_chaser(instance, flown) for flown in routes_of(instance, plan)}
 
 
-def budget(instance: Instance, plan: Plan) -> Budget:
-    """Remaining ΔV after every burn, for an instance with one chaser."""
-    return budgets(instance, plan)[instance.chaser.name]
-
-
 def _of_chaser(instance: Instance, flown: Flown) -> Budget:
     left = flown.aboard(instance)[0].left_m_s
     rows = [(0.0, left, 0, False)]

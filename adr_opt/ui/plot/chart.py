@@ -23,7 +23,15 @@ MARKS = {
     "circle": {"marker": "o"},
     "circle-open": {"marker": "o", "fillstyle": "none"},
     "square": {"marker": "s"},
+    "square-open": {"marker": "s", "fillstyle": "none"},
+    "diamond-open": {"marker": "D", "fillstyle": "none"},
     "triangle-up": {"marker": "^"},
+    "triangle-up-open": {"marker": "^", "fillstyle": "none"},
+    "triangle-down-open": {"marker": "v", "fillstyle": "none"},
+    "pentagon-open": {"marker": "p", "fillstyle": "none"},
+    "star-open": {"marker": "*", "fillstyle": "none"},
+    "cross-thin-open": {"marker": "+"},
+    "x-thin-open": {"marker": "x"},
 }
 BAND = 0.18
 """Opacity of a band below a line."""

@@ -14,7 +14,7 @@ from ...fly.trajectory.kepler import Array
 from ...kernels.orbits import elements
 from ...kernels.orbits.ephemeris import EPOCH_S
 from ...legs.matrices import Matrices
-from ...plan.palette import STATION, UNVISITED, VISITED, chaser_colours
+from ...plan.palette import REASON_TITLES, STATION, UNVISITED, VISITED, chaser_colours
 from ...plan.plan import Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
@@ -42,6 +42,14 @@ def way(instance: Instance, flown: Flown) -> tuple[list[int], list[int]]:
     return [number for number, _ in known], [body for _, body in known]
 
 
+_LEFT_OUT = """
+circle-open x-thin-open square-open triangle-up-open triangle-down-open diamond-open pentagon-open
+star-open cross-thin-open
+"""
+LEFT_OUT = tuple(_LEFT_OUT.split())
+"""Marks of targets that are not visited: without a reason, and for each."""
+
+
 def planes_chart(instance: Instance, plan: Plan | None) -> Chart:
     """RAAN across and inclination up, in degrees; a line follows each chaser."""
     raan, first = raan_deg(instance), instance.first_target
@@ -63,8 +71,14 @@ def planes_chart(instance: Instance, plan: Plan | None) -> Chart:
         ]
     seen = {body for _, body in visits}
     others = [body for body in range(first, raan.size) if body not in seen]
-    missed = "target" if plan is None else "not visited"
-    series.append(Marks(name=missed, colour=UNVISITED, symbol="circle-open", **at(others)))
+    why = {} if plan is None else {entry.target: entry.reason for entry in plan.unvisited}
+    for reason, symbol in zip((None, *REASON_TITLES), LEFT_OUT, strict=True):
+        mine = [body for body in others if why.get(instance.names[body]) == reason]
+        said = "target" if plan is None else "not visited"
+        if reason is not None:
+            said = f"left out, {REASON_TITLES[reason]}: {len(mine)}"
+        if mine:
+            series.append(Marks(name=said, colour=UNVISITED, symbol=symbol, **at(mine)))
     if plan is not None:
         there = at([body for _, body in visits], [leg for leg, _ in visits])
         series.append(Marks(name="visited", colour=VISITED, **there))
@@ -76,8 +90,8 @@ def planes_chart(instance: Instance, plan: Plan | None) -> Chart:
 def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     """Add the orbital planes as points, with RAAN across and inclination up [deg].
 
-    With a plan, targets that it visits differ from the others, and a line follows each chaser from
-    plane to plane.
+    With a plan, targets that it visits differ from the others, which are marked by the reasons why
+    they are left out, and a line follows each chaser from plane to plane.
     """
     if plan is not None:
         plan.instance.refuse_other(instance)

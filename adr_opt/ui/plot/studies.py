@@ -228,6 +228,36 @@ def delta_v_fan(made: Rehearsals) -> Chart:
     return _fan(made, [each.spent for each in made.outcomes], planned, "ΔV of all legs [m/s]")
 
 
+MOST_BINS = 24
+
+
+def visits_spread(made: Rehearsals) -> Chart:
+    """How many rehearsals end with each number of visits, and the number planned."""
+    found = [len(each.course) for each in made.outcomes]
+    planned = len(set(made.plan.destinations) - set(made.instance.station_names))
+    return _spread(found, planned, np.arange(min(found), max(found) + 2) - 0.5, "visits")
+
+
+def delta_v_spread(made: Rehearsals) -> Chart:
+    """How many rehearsals take each ΔV, and what is planned."""
+    found = [each.delta_v_m_s for each in made.outcomes]
+    edges = np.histogram_bin_edges(found, MOST_BINS)
+    return _spread(found, made.plan.delta_v_m_s, edges, "ΔV of all legs [m/s]")
+
+
+def _spread(
+    found: Sequence[float], planned: float, edges: npt.NDArray[np.floating[Any]], title: str
+) -> Chart:
+    counts = np.histogram(found, edges)[0].tolist()
+    lines = (
+        Line(
+            name="rehearsals", colour=CHASERS[0], step=True, x=[edges[0], *edges], y=[0, *counts, 0]
+        ),
+        Line(name="plan", colour=CHASERS[1], x=[planned, planned], y=[0, max(counts)]),
+    )
+    return Chart(lines, ChartAxis(title), ChartAxis("rehearsals"))
+
+
 def _fan(
     made: Rehearsals,
     courses: Sequence[Sequence[tuple[float, float]]],

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import cycle
 
+from ...plan.palette import CHASERS
 from ...plan.plan import Plan
 from ...plan.routes import routes_of
 from ...problem.chasers import AtStation
 from ...problem.instance import Instance
+from .chart import DAYS, Chart, ChartAxis, Line, days
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,21 @@ def stays(instance: Instance, plan: Plan) -> tuple[Stay, ...]:
                 found.append(Stay(leg.destination, name, number, docked, until, leg.end_s))
     order = list(instance.station_names)
     return tuple(sorted(found, key=lambda stay: (order.index(stay.station), stay.since_s)))
+
+
+def traffic_chart(instance: Instance, plan: Plan) -> Chart:
+    """Refuellings so far against days, a line for each station that has some."""
+    lines, every = [], stays(instance, plan)
+    for name, colour in zip(instance.station_names, cycle(CHASERS), strict=False):
+        ends_s = sorted(
+            stay.refuelled_s
+            for stay in every
+            if stay.station == name and stay.refuelled_s is not None
+        )
+        if ends_s:
+            x = [0.0, *days(ends_s).tolist()]
+            lines.append(Line(name=name, colour=colour, step=True, x=x, y=range(len(x))))
+    return Chart(tuple(lines), DAYS, ChartAxis("refuellings so far"))
 
 
 def also_there(stay: Stay, every: tuple[Stay, ...]) -> tuple[str, ...]:

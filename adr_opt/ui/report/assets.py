@@ -23,7 +23,7 @@ def policy(*scripts: str) -> str:
 
 _ROOMS = """
 library state look charts access time spoken motion sun earth moving ground globe view closeup files
-burns pictures main
+burns pictures zones main
 """
 ROOMS = tuple(_ROOMS.split())
 """Parts of the script, in the order of assembly."""

@@ -13,20 +13,11 @@ from . import tables
 from .assets import asset
 from .text import escape
 
-MORE = """
-figure.drawn { margin: 8px 0 0; }
-figure.drawn svg { width: 100%; height: auto; display: block; }
-figure.drawn text { fill: var(--quiet); font-size: 12px; font-family: inherit; }
-figure.drawn .grid { stroke: var(--line); }
-figure.drawn figcaption { display: flex; flex-wrap: wrap; gap: 4px 18px; font-size: .88rem; }
-tr.same td { color: var(--quiet); }
-tr.only td, tr.moved td { font-weight: 550; }
-"""
-"""Additions to the style of the report."""
 
-
-def check_page(path: str | os.PathLike[str]) -> None:
-    """Raise :class:`InputError` in advance if a page could not be written there."""
+def check_page(path: str | os.PathLike[str] | None) -> None:
+    """Raise :class:`InputError` in advance if a page is wanted and could not be written there."""
+    if path is None:
+        return
     check_writable(path)
     if not os.fspath(path).lower().endswith((".html", ".htm")):
         raise InputError(f"{path}: the page is HTML; give a file that ends in .html")
@@ -67,7 +58,7 @@ def table_of(
 
 def page(over: str, title: str, under: str, sections: Iterable[str]) -> str:
     """HTML of a page without scripts or requests."""
-    style = asset("page.css") + MORE
+    style = asset("page.css")
     policy = (
         "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
         "form-action 'none'"

@@ -7,7 +7,8 @@ from typing import Any
 
 from ...analysis.rehearse.rehearsals import Rehearsals
 from ...common.wording import counted
-from ..plot.studies import delta_v_fan, prize_fan
+from ..plot.chart import Chart
+from ..plot.studies import delta_v_fan, delta_v_spread, prize_fan, visits_spread
 from .charts import drawn
 from .plain import page, row, section, table_of
 from .tables import Column, table
@@ -47,7 +48,7 @@ def rehearsed_page(made: Rehearsals, told: Mapping[str, Any]) -> str:
             drawn(prize_fan(made), "Prize over time"),
         ),
         section("ΔV over time", "", drawn(delta_v_fan(made), "ΔV over time")),
-        section("Distributions", "", _distributions(told)),
+        section("Distributions", "", _spreads(made) + _distributions(told)),
         section(
             "Losses", "Mean number of targets that a rehearsal loses, by reason.", _losses(told)
         ),
@@ -68,6 +69,19 @@ def rehearsed_page(made: Rehearsals, told: Mapping[str, Any]) -> str:
         f"{told['seed']} · planned prize {number(made.plan.objective, 3)}"
     )
     return page("Rehearsals", made.instance.name, under, parts)
+
+
+def _spreads(made: Rehearsals) -> str:
+    """Charts of what differs between rehearsals."""
+    charts: dict[str, tuple[Chart, set[Any]]] = {
+        "Visits": (visits_spread(made), {len(each.course) for each in made.outcomes}),
+        "ΔV": (delta_v_spread(made), {each.delta_v_m_s for each in made.outcomes}),
+    }
+    return "".join(
+        f"<h3>{name}</h3>{drawn(chart, f'{name} of rehearsals')}"
+        for name, (chart, ends) in charts.items()
+        if len(ends) > 1
+    )
 
 
 def _distributions(told: Mapping[str, Any]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from ...analysis.screening import CloseApproach
 from ...common.wording import counted
@@ -23,6 +23,29 @@ PROBABILITIES = (
 )
 
 
+def columns(probable: bool) -> list[tables.Column]:
+    """Columns of a table of approaches, by what they say of one; with probabilities if wanted."""
+    found: list[tables.Column] = [
+        ("object", "", lambda each: each.object),
+        ("chaser", "", lambda each: each.chaser),
+        ("leg", "n", lambda each: each.leg),
+        ("time", "", lambda each: each.epoch[:19].replace("T", " ")),
+        ("miss, m", "n", lambda each: number(each.miss_m, 0)),
+        ("radial", "n", lambda each: number(each.radial_m, 0)),
+        ("along", "n", lambda each: number(each.along_m, 0)),
+        ("cross", "n", lambda each: number(each.cross_m, 0)),
+        ("speed, m/s", "n", lambda each: number(each.speed_m_s, 0)),
+        ("age, days", "n", lambda each: number(each.age_days, 1)),
+        ("probability", "n", lambda each: _chance(each.probability)),
+    ]
+    return found if probable else found[:-1]
+
+
+def knows_probabilities(found: Iterable[CloseApproach]) -> bool:
+    """Whether some approach has a probability."""
+    return any(each.probability is not None for each in found)
+
+
 def screening_page(
     name: str, found: Sequence[CloseApproach], distance_m: float, objects: int
 ) -> str:
@@ -40,21 +63,8 @@ def screening_page(
         Number of objects that were looked at.
     """
     others = sorted((each for each in found if not each.own), key=lambda each: each.miss_m)
-    probable = any(each.probability is not None for each in others)
-    columns: list[tables.Column | bool] = [
-        ("object", "", lambda each: each.object),
-        ("chaser", "", lambda each: each.chaser),
-        ("leg", "n", lambda each: each.leg),
-        ("time", "", lambda each: each.epoch[:19].replace("T", " ")),
-        ("miss, m", "n", lambda each: number(each.miss_m, 0)),
-        ("radial", "n", lambda each: number(each.radial_m, 0)),
-        ("along", "n", lambda each: number(each.along_m, 0)),
-        ("cross", "n", lambda each: number(each.cross_m, 0)),
-        ("speed, m/s", "n", lambda each: number(each.speed_m_s, 0)),
-        ("age, days", "n", lambda each: number(each.age_days, 1)),
-        probable and ("probability", "n", lambda each: _chance(each.probability)),
-    ]
-    near = table_of("Nearest approaches", columns, ((each,) for each in others[:LISTED]))
+    probable = knows_probabilities(others)
+    near = table_of("Nearest approaches", columns(probable), ((each,) for each in others[:LISTED]))
     more = f"The {LISTED} nearest of {len(others)}. " if len(others) > LISTED else ""
     under = (
         f"{name} · {counted(objects, 'object')} · {counted(len(others), 'approach', 'approaches')} "

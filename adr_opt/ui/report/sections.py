@@ -19,7 +19,9 @@ from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ...problem.disposal import DisposalCircle
 from ...problem.instance import Instance
 from ..plot.budget import has_burns
+from ..plot.traffic import traffic_chart
 from . import tables
+from .charts import drawn
 from .facts import Facts
 from .text import NOTHING, clock, escape, in_days, length, number
 
@@ -170,7 +172,10 @@ def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
     title, traffic = "Chasers", ""
     if instance.stations:
         title = "Chasers and stations"
-        traffic = "<h3>Station traffic</h3>" + tables.traffic(instance, plan)
+        chart = traffic_chart(instance, plan)
+        several_of_them = sum(len(line.x) - 1 for line in chart.series) > 1
+        traffic = "<h3>Station traffic</h3>" + several_of_them * drawn(chart, "Station traffic")
+        traffic += tables.traffic(instance, plan)
     return (
         f"<section><h2>{title}</h2><p>In charts a chaser has the colour of its dot.</p>"
         + tables.chasers(instance, plan, refined)

@@ -9,7 +9,7 @@ from ...common.constants import DAY_S, EARTH_RADIUS_M, SLACK_S
 from ...plan.cargo import carries
 from ...plan.expense import carried_kg, expense_of
 from ...plan.lifetimes import MOST_YEARS, lifetimes_years
-from ...plan.palette import REASONS, chaser_colours
+from ...plan.palette import REASON_TITLES, REASONS, chaser_colours
 from ...plan.plan import Leg, Plan
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import Flown, by_tank, owners, routes_of
@@ -28,17 +28,6 @@ Cell = tuple[str, str]
 
 Column = tuple[str, str, Callable[..., str | Cell]]
 """Heading, class, and the HTML of the cell, or the cell, from what a row is of."""
-
-REASON_TITLES = {
-    "no-transfer": "no transfer",
-    "several": "several limits",
-    "duration": "duration",
-    "delta-v": "ΔV",
-    "kits": "kits",
-    "capacity": "capacity",
-    "not-worth-it": "not worth it",
-    "not-considered": "not considered",
-}
 
 
 def table(caption: str, headings: Iterable[tuple[str, str]], rows: Iterable[str]) -> str:

@@ -29,16 +29,17 @@ from starlette.routing import Route
 from ...common.errors import InputError
 from ..report import page, plain
 from ..report.assets import asset
-from .backend import Backend
+from .backend import Backend, choices
 from .drafts import read_edit
+from .forms.fields import form_fields
 from .guard import UPLOAD, Guard, cookie_name
+from .planning import PlanningOrder
 from .requests import (
     ChooseRequest,
     JobRequest,
     RemoveRequest,
     ShowRequest,
     StopRequest,
-    read_order,
     read_request,
 )
 from .session import EditingSession
@@ -112,15 +113,15 @@ async def event_stream(backend: Backend, closing: threading.Event) -> AsyncItera
         Ends it.
     """
     parts: tuple[tuple[str, Callable[[], int], Callable[[], Any]], ...] = (
-        ("state", lambda: backend.revision, backend.state),
-        ("results", lambda: backend.results_revision, backend.results),
-        ("jobs", lambda: backend.jobs_revision, backend.jobs),
+        ("state", lambda: backend.session.revision, backend.state),
+        ("results", lambda: backend.session.results.revision, backend.results),
+        ("jobs", lambda: backend.queue.revision, backend.queue.rows),
     )
     revisions, last, silent_s = dict.fromkeys((name for name, *_ in parts), -1), "", 0.0
     while not closing.is_set():
         silent_s += PAUSE_S
         # Looked at before the state: what the planner is done with is in the state that follows.
-        progress = to_json(backend.progress())
+        progress = to_json(backend.session.progress().to_dict())
         for name, revision, content in parts:
             now = revision()
             if now != revisions[name]:
@@ -151,7 +152,7 @@ POLICY = (
 )
 """Content security policy of the page: everything comes from this server."""
 
-FRAMED = "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
+FRAMED = "sandbox allow-scripts allow-downloads allow-modals; frame-ancestors 'self'"
 """Policy of the report, which is shown only within the page, and may ask this server nothing."""
 
 
@@ -175,7 +176,8 @@ def application(
     opened : callable
         Called when the page is asked for.
     """
-    session, shown = backend.session, ShownReport(backend.session)
+    session, dropped, queue = backend.session, backend.dropped, backend.queue
+    shown = ShownReport(session)
     # Pages say which server they are of: one of another is refused, whatever its token.
     server = secrets.token_hex(8)
     text_of_page = asset("page.html", PACKAGE).replace("SERVER", server)
@@ -207,53 +209,51 @@ def application(
             background=BackgroundTask(path.unlink),
         )
 
-    async def page_of_result(request: Request) -> Response:
+    async def of_result(request: Request) -> Response:
+        """Its page, or a file of it by name."""
+        number, name = (request.query_params.get(each, "") for each in ("id", "name"))
         try:
-            text = await run_in_threadpool(backend.page, request.query_params.get("id", ""))
-        except InputError as error:
-            return JSONResponse({"error": str(error)}, status_code=404)
-        return HTMLResponse(text, headers={"Content-Security-Policy": FRAMED})
-
-    async def file_of_result(request: Request) -> Response:
-        asked = request.query_params
-        try:
-            path = await run_in_threadpool(backend.file, asked.get("id", ""), asked.get("name", ""))
+            if request.url.path.endswith("page"):
+                text = await run_in_threadpool(backend.page, number)
+                return HTMLResponse(text, headers={"Content-Security-Policy": FRAMED})
+            path = await run_in_threadpool(backend.file, number, name)
         except InputError as error:
             return JSONResponse({"error": str(error)}, status_code=404)
         kind = "application/octet-stream"
-        return FileResponse(path, media_type=kind, filename=f"{asked['id']}-{path.name}")
+        return FileResponse(path, media_type=kind, filename=f"{number}-{path.name}")
 
+    actions: dict[str, Callable[[str], Any]] = {
+        "/files/remove": lambda text: dropped.remove(read_request(RemoveRequest, text).file),
+        "/edit": lambda text: session.edit(read_edit(text)),
+        "/undo": lambda text: session.undo(),
+        "/redo": lambda text: session.redo(),
+        "/lift": lambda text: session.take_windows(None),
+        "/plan": lambda text: session.plan(read_request(PlanningOrder, text)),
+        "/sample": lambda text: backend.sample(),
+        "/stop": lambda text: session.stop(),
+        "/choose": lambda text: backend.choose(read_request(ChooseRequest, text)),
+        "/jobs": lambda text: backend.begin(read_request(JobRequest, text)),
+        "/jobs/stop": lambda text: queue.stop(read_request(StopRequest, text).job),
+        "/show": lambda text: backend.show(read_request(ShowRequest, text)),
+    }
     return Starlette(
         routes=[
             Route("/", page),
             *_assets(),
-            _told("/choices", backend.choices),
+            _told("/choices", choices),
             _told("/state", backend.state),
-            _told("/objects", backend.objects),
-            _told("/forms", backend.forms),
-            _told("/jobs", backend.jobs),
+            _told("/objects", backend.dropped.columns),
+            _told("/forms", form_fields),
+            _told("/jobs", backend.queue.rows),
             _told("/results", backend.results),
             Route("/events", events),
             Route("/report", report),
-            Route("/results/page", page_of_result),
-            Route("/results/file", file_of_result),
+            Route("/results/page", of_result),
+            Route("/results/file", of_result),
             _told_of("/results/points", backend.points),
             Route("/export", exported),
             Route(UPLOAD, uploaded(backend), methods=["POST"]),
-            _action(
-                "/files/remove", lambda text: backend.remove(read_request(RemoveRequest, text).file)
-            ),
-            _action("/edit", lambda text: session.edit(read_edit(text))),
-            _action("/undo", lambda text: session.undo()),
-            _action("/redo", lambda text: session.redo()),
-            _action("/lift", lambda text: session.take_windows(None)),
-            _action("/plan", lambda text: session.plan(read_order(text))),
-            _action("/sample", lambda text: backend.sample()),
-            _action("/stop", lambda text: session.stop()),
-            _action("/choose", lambda text: backend.choose(read_request(ChooseRequest, text))),
-            _action("/jobs", lambda text: backend.begin(read_request(JobRequest, text))),
-            _action("/jobs/stop", lambda text: backend.stop(read_request(StopRequest, text).job)),
-            _action("/show", lambda text: backend.show(read_request(ShowRequest, text))),
+            *(_action(backend, path, act) for path, act in actions.items()),
         ],
         middleware=[Middleware(Guard, token=token, port=port, server=server)],
     )
@@ -284,13 +284,18 @@ def _told_of(path: str, content: Callable[[str], Any]) -> Route:
     return Route(path, answer)
 
 
-def _action(path: str, act: Callable[[str], Any]) -> Route:
-    """A POST request that changes something; errors are reported in one sentence."""
+def _action(backend: Backend, path: str, act: Callable[[str], Any]) -> Route:
+    """A POST request that changes something; errors are reported in one sentence.
+
+    The answer has the state that it leaves, so that what the page asks next is asked of that.
+    """
 
     async def answer(request: Request) -> Response:
         try:
             text = (await request.body()).decode("utf-8")
             made = await run_in_threadpool(act, text)
+            content = made if isinstance(made, dict) else {}
+            told = to_json({**content, "state": await run_in_threadpool(backend.state)})
         except ClientDisconnect:
             return Response(status_code=400)  # which nobody hears
         except UnicodeDecodeError:
@@ -299,7 +304,7 @@ def _action(path: str, act: Callable[[str], Any]) -> Route:
             return JSONResponse({"error": str(error)}, status_code=422)
         except OSError as error:
             return JSONResponse({"error": not_written("that", error)}, status_code=507)
-        return Response(to_json(made or {}), media_type="application/json")
+        return Response(told, media_type="application/json")
 
     return Route(path, answer, methods=["POST"])
 

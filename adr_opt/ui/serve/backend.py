@@ -13,7 +13,6 @@ from ...run.methods import BOUNDS, PLANNERS, names
 from ...run.run_options import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
 from ...sources.generator import generate
 from .folder import archived
-from .forms.fields import form_fields
 from .jobs.queue import ANSWER, JobQueue
 from .jobs.verbs import VERBS
 from .objects.dropped import DroppedObjects
@@ -43,35 +42,18 @@ class Backend:
     Parameters
     ----------
     session : EditingSession
+
+    Attributes
+    ----------
+    session : EditingSession
+    dropped : DroppedObjects
+    queue : JobQueue
     """
 
     def __init__(self, session: EditingSession) -> None:
         self.session = session
         self.dropped = DroppedObjects(session)
         self.queue = JobQueue(session, self.dropped)
-
-    @property
-    def results_revision(self) -> int:
-        """Counter of changes to what :meth:`results` gives."""
-        return self.session.results.revision
-
-    @property
-    def jobs_revision(self) -> int:
-        """Counter of changes to what :meth:`jobs` gives."""
-        return self.queue.revision
-
-    @property
-    def revision(self) -> int:
-        """Counter of changes to what :meth:`state` gives."""
-        return self.session.revision
-
-    def progress(self) -> dict[str, Any]:
-        """Progress of the planner, as JSON data."""
-        return self.session.progress().to_dict()
-
-    def choices(self) -> dict[str, Any]:
-        """Methods, bounds and verbs with their options, as JSON data."""
-        return choices()
 
     def state(self) -> dict[str, Any]:
         """The state, as JSON data."""
@@ -101,18 +83,6 @@ class Backend:
         return (
             "objects" if any(each.what == "catalogue" for each in self.session.files) else "empty"
         )
-
-    def objects(self) -> dict[str, Any]:
-        """Columns of the dropped catalogue, as JSON data."""
-        return self.dropped.columns()
-
-    def forms(self) -> list[dict[str, Any]]:
-        """Fields of forms, as JSON data."""
-        return form_fields()
-
-    def jobs(self) -> list[dict[str, Any]]:
-        """All jobs, as JSON data."""
-        return self.queue.rows()
 
     def results(self) -> list[dict[str, Any]]:
         """All results, newest last, as JSON data."""
@@ -172,18 +142,6 @@ class Backend:
         folder = self.session.folder
         return archived(folder.path, folder.own(), passing(folder.path, ".zip"))
 
-    def temporary(self) -> Path:
-        """Path of a new temporary file for what is being uploaded."""
-        return passing(self.session.folder.path)
-
-    def drop(self, path: Path, name: str) -> dict[str, Any]:
-        """Take an uploaded file into the project; returns what it is, as JSON data."""
-        return self.dropped.drop(path, name)
-
-    def remove(self, number: int) -> None:
-        """Remove a dropped file from the project."""
-        self.dropped.remove(number)
-
     def choose(self, request: ChooseRequest) -> dict[str, Any]:
         """Make a mission of dropped objects; returns what became of them, as JSON data."""
         made = self.dropped.mission(request.names, request.prizes, request.options)
@@ -198,10 +156,6 @@ class Backend:
     def begin(self, request: JobRequest) -> dict[str, Any]:
         """Begin a job; returns its number as JSON data."""
         return {"job": self.queue.begin(request)}
-
-    def stop(self, job: int) -> None:
-        """Stop a job."""
-        self.queue.stop(job)
 
     def points(self, number: str) -> dict[str, Any]:
         """Points of a trade-off, as JSON data.

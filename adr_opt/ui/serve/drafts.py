@@ -23,7 +23,7 @@ from ...problem.instance import Instance
 Dynamics = Literal["two-body", "j2"]
 """How bodies move after the epoch."""
 
-Part = Literal["chasers", "stations", "mission", "transfer", "objective"]
+Part = Literal["chasers", "stations", "mission", "transfer", "objective", "keep_out_zones"]
 """Parts of an instance that forms edit."""
 
 
@@ -216,7 +216,7 @@ def told(edit: Edit) -> str:
     if edit.budget is not None:
         return f"budget of {edit.budget.chaser} {edit.budget.amount:.6g}"
     if edit.part is not None:
-        return f"{edit.part.path} changed"
+        return f"{edit.part.path.replace('keep_out_', 'keep-out ')} changed"
     if edit.dynamics is not None:
         return f"dynamics {edit.dynamics}"
     assert edit.targets is not None

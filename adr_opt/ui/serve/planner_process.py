@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import threading
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,7 +17,7 @@ from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...run.run_options import DEFAULT_METHOD
 from .children import end, started
-from .planning import Done, Found, PlanningOrder, PlanningProgress, ignored
+from .planning import Done, Found, PlannedRun, PlanningOrder, PlanningProgress, ignored
 from .project.private import passing, private_folder
 from .work import check_order
 
@@ -25,15 +25,6 @@ WORKER = f"{__package__}.planner_worker"
 
 LAST_WORDS_S = 2.0
 """Longest wait for an ended process [s]."""
-
-
-@dataclass(frozen=True)
-class PlannedElsewhere:
-    """The part of a result that comes from the process."""
-
-    plan: Plan | None
-    status: str
-    notes: tuple[str, ...]
 
 
 class _Order(NamedTuple):
@@ -105,7 +96,7 @@ class PlannerProcess:
             self._tell(
                 "begin",
                 instance=str(folder / "instance.json"),
-                order=asdict(order),
+                order=order.model_dump(),
                 known=None if known is None else str(folder / "known.json"),
             )
             return self._count
@@ -224,7 +215,7 @@ class PlannerProcess:
     def _adopt(self, process: subprocess.Popen[bytes], before: int, told: dict[str, Any]) -> None:
         """Store a result, and say so to the process, which waits for it."""
         plan = None if told["plan"] is None else Plan.from_json(told["plan"])
-        result = PlannedElsewhere(plan, told["status"], tuple(told["notes"]))
+        result = PlannedRun(plan, told["status"], tuple(told["notes"]))
         with self._changed:
             instance = self._orders[before + told["number"]].instance
         try:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Annotated, Any, Literal, NamedTuple, Protocol
+
+from pydantic import Field
 
 from ...common.constants import DAY_S
+from ...common.records import Record
 from ...plan.plan import Plan, relative_gap
 from ...problem.instance import Instance
-from ...run.run_options import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
 from ..report.text import NOTHING, number
 
 Phase = Literal["idle", "waiting", "compiling", "timetable", "planning", "done", "failed"]
@@ -19,8 +21,7 @@ LONGEST_S = 7.0 * DAY_S
 """Largest time limit; beyond it, a typing error is assumed."""
 
 
-@dataclass(frozen=True)
-class PlanningOrder:
+class PlanningOrder(Record):
     """Parameters of a planning run.
 
     Attributes
@@ -35,10 +36,10 @@ class PlanningOrder:
         Whether to begin from the plan that is there, where the method can.
     """
 
-    method: str = DEFAULT_METHOD
-    time_limit_s: float = DEFAULT_TIME_LIMIT_S
+    method: str
+    time_limit_s: float
     bound: str | None = None
-    seed: int = 0
+    seed: Annotated[int, Field(ge=0)] = 0
     goes_on: bool = True
 
 
@@ -115,23 +116,12 @@ def finite(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-class PlannedRun(Protocol):
-    """The part of a result that is kept of a run."""
+class PlannedRun(NamedTuple):
+    """The part of a result that is kept of a run: its plan, what is proven of it, and remarks."""
 
-    @property
-    def plan(self) -> Plan | None:
-        """The plan; None if there is none."""
-        ...
-
-    @property
-    def status(self) -> str:
-        """What is proven of it."""
-        ...
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Remarks of the method."""
-        ...
+    plan: Plan | None
+    status: str
+    notes: tuple[str, ...]
 
 
 Done = Callable[[Instance, PlannedRun], str]

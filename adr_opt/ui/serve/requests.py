@@ -9,21 +9,10 @@ from pydantic import Field, ValidationError
 from ...common.errors import InputError
 from ...common.records import Record
 from ...common.sentences import sentence
-from .planning import PlanningOrder
 from .project.record import Number
 
 MOST_CHOSEN = 2000
 """Maximum number of objects that become targets at once."""
-
-
-class OrderRequest(Record):
-    """Parameters of a planning run, as requested by the page."""
-
-    method: str
-    time_limit_s: float
-    bound: str | None = None
-    seed: Annotated[int, Field(ge=0)] = 0
-    goes_on: bool = True
 
 
 class ChooseRequest(Record):
@@ -76,14 +65,3 @@ def read_request(kind: type[Asked], text: str) -> Asked:
         return kind.from_json(text)
     except ValidationError as error:
         raise InputError(sentence(error)) from None
-
-
-def read_order(text: str) -> PlanningOrder:
-    """Parameters of a planning run, from JSON text.
-
-    Raises
-    ------
-    InputError
-        It does not say so.
-    """
-    return PlanningOrder(**dict(read_request(OrderRequest, text)))

@@ -11,7 +11,7 @@ from starlette.responses import JSONResponse, Response
 
 from ...common.errors import InputError
 from .backend import Backend
-from .project.private import private_file
+from .project.private import passing, private_file
 
 MOST_AT_ONCE = 2
 """Maximum number of files that are uploaded at once."""
@@ -36,12 +36,12 @@ def uploaded(backend: Backend) -> Callable[[Request], Awaitable[Response]]:
         if turn.locked():
             return _refused("other files are being uploaded; drop this one again after them", 429)
         async with turn:
-            path = backend.temporary()
+            path = passing(backend.session.folder.path)
             try:
                 with private_file(path) as file:
                     async for chunk in request.stream():
                         await run_in_threadpool(file.write, chunk)
-                return JSONResponse(await run_in_threadpool(backend.drop, path, name))
+                return JSONResponse(await run_in_threadpool(backend.dropped.drop, path, name))
             except InputError as error:
                 return _refused(str(error))
             except OSError as error:

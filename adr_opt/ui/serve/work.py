@@ -23,7 +23,16 @@ from ...run.method_call import method_of, spec_of
 from ...run.methods import BOUNDS, PLANNERS
 from ...run.reused_timetable import Reused
 from ...run.start_plan import start_destinations
-from .planning import LONGEST_S, Done, Found, Phase, PlanningOrder, PlanningProgress, ignored
+from .planning import (
+    LONGEST_S,
+    Done,
+    Found,
+    Phase,
+    PlannedRun,
+    PlanningOrder,
+    PlanningProgress,
+    ignored,
+)
 
 PAUSE_S = 1.0
 """Least interval between plans [s]."""
@@ -286,7 +295,8 @@ class Work:
                     self._found(instance, None)
                     raise
                 run.settle(result)
-                run.said = self._done(instance, result)
+                made = PlannedRun(result.plan, result.status, tuple(result.notes))
+                run.said = self._done(instance, made)
             run.phase = "done"
         except InputError as error:
             run.said, run.phase = str(error), "failed"

@@ -82,7 +82,7 @@ function listen() {
 
 // Charts are as wide as the window; on paper they are as wide as what A4 and letters have room for.
 const PAPER_PX = 690;
-const PAPER_HEIGHT_PX = { budget: 220, ground: PAPER_PX / 2 };
+const PAPER_HEIGHT_PX = { budget: 170, ground: PAPER_PX / 2 };
 const onPaper = (width) => Promise.all(
   [...document.querySelectorAll(".chart")].filter((chart) => chart.data?.length).map((chart) => {
     const own = chart.classList.contains("own") ? chart.layout.height : undefined;
@@ -90,6 +90,12 @@ const onPaper = (width) => Promise.all(
     return Plotly.relayout(chart, { width, height, autosize: !width });
   }),
 );
+
+// The story and its legs alone.
+function printBrief() {
+  document.documentElement.classList.add("brief");
+  print();
+}
 
 // One chart per task, so that the page can be scrolled in between; the globe comes first.
 const pause = () => new Promise((done) => setTimeout(done));
@@ -115,8 +121,13 @@ async function begin() {
   listenToPictures();
   listenToView();
   listenToTools();
+  listenToZones();
   window.addEventListener("beforeprint", () => onPaper(PAPER_PX));
-  window.addEventListener("afterprint", () => onPaper(undefined));
+  window.addEventListener("afterprint", () => {
+    document.documentElement.classList.remove("brief");
+    onPaper(undefined);
+  });
+  box("brief").addEventListener("click", printBrief);
   sides();
   mark("ready");
   for (const view of views.filter(({ chart }) => derived.has(chart))) {

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ....common.errors import InputError
 
-Kind = Literal["number", "text", "choice", "flag"]
+Kind = Literal["number", "text", "choice", "flag", "vary"]
 
 LONGEST_TEXT = 200
 """Maximum length of a text [characters]."""
@@ -30,7 +30,7 @@ class JobOption:
     name : str
         As the page knows it.
     sign : str
-        As the command line knows it; empty if an output of the verb stands for it.
+        As the command line knows it; empty if a file of the job stands for it.
     label, unit, help : str
     kind : str
     default : bool, int, float, str or None
@@ -46,7 +46,9 @@ class JobOption:
     pattern : str
         That a text matches as a whole.
     choices : callable, optional
-        Gives the values of a choice.
+        Gives the values of a choice, or the names of what may be varied.
+    words : mapping of str to str
+        What the page calls some of these.
     """
 
     name: str
@@ -63,6 +65,7 @@ class JobOption:
     pattern: str = r"[^\x00-\x1f\x7f]*"
     choices: Callable[[], Sequence[str]] | None = None
     help: str = ""
+    words: Mapping[str, str] = field(default_factory=dict)
 
     def word(self, value: Value) -> str | None:
         """The option with a value as one word, which begins with its sign; None to leave it out.
@@ -79,12 +82,13 @@ class JobOption:
                 raise InputError(f"option {self.name}: must be true or false")
             return self.sign or None
         if self.kind == "number":
-            return f"{self.sign}={self._number(value)}{self.suffix}"
+            word = f"{self.sign}={self._number(value)}{self.suffix}"
+            return word if self.sign else None
         if not isinstance(value, str) or len(value) > self.longest:
             raise InputError(
                 f"option {self.name}: must be a text of at most {self.longest} characters"
             )
-        known = None if self.choices is None else self.choices()
+        known = self.choices() if self.choices is not None and self.kind == "choice" else None
         if known is not None and value not in known:
             raise InputError(
                 f"option {self.name} = {value[:40]!r}: must be one of {', '.join(known)}"
@@ -117,6 +121,7 @@ class JobOption:
             "kind": self.kind,
             "default": self.default,
             "help": self.help,
+            "words": dict(self.words),
             **({} if self.choices is None else {"choices": list(self.choices())}),
             **({} if math.isinf(self.least) else {"least": self.least}),
             **({} if math.isinf(self.most) else {"most": self.most}),

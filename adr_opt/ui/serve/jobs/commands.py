@@ -13,7 +13,7 @@ from ..project.plan_files import FIELD, INSTANCE, PLAN
 from ..project.record import ResultRecord
 from ..requests import JobRequest
 from ..session import EditingSession
-from .verbs import VERBS, JobVerb
+from .verbs import VERBS, JobVerb, unsure
 
 REFINED, CERTIFICATE = "refined.json", "certificate.json.gz"
 
@@ -122,7 +122,7 @@ class JobInputs:
             files.append(self._of(certificate, CERTIFICATE))
             used.append(certificate)
         if "uncertainty" in verb.needs:
-            files.append(f"--uncertainty={self._uncertainty()}")
+            files.append(f"--uncertainty={self._uncertainty(request, place)}")
         numbers = tuple(dict.fromkeys(record.number for record in used))
         return JobCommand(files, numbers, plans[0].instance_sha256)
 
@@ -193,10 +193,13 @@ class JobInputs:
                 return record
         raise InputError(without)
 
-    def _uncertainty(self) -> str:
+    def _uncertainty(self, request: JobRequest, place: Path | None) -> str:
+        """The dropped file, or one with what the form states."""
         path = self._dropped.latest("uncertainty")
         if path is None:
-            raise InputError("nothing says what may go otherwise; drop an uncertainty file first")
+            path = (place or self._folder) / "uncertainty.json"
+            if place is not None:
+                unsure(request.options).save(path)
         return self._named(path)
 
     def _of(self, record: ResultRecord, file: str) -> str:

@@ -239,7 +239,8 @@ class JobQueue:
                 said = "the mission was edited meanwhile, and goes without; find them anew"
             job.settle("done", said)
         except Exception as error:  # to be reported on the page
-            results.drop(place)
+            if job.result is None:
+                results.drop(place)
             known = isinstance(error, (InputError, OSError))
             job.settle("failed", str(error) if known else f"{type(error).__name__}: {error}")
 

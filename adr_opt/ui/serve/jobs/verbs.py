@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
+from ....analysis.trade.axes import KINDS
 from ....analysis.windows import STATIONS
+from ....common.constants import DAY_S, HOUR_S
+from ....problem.uncertainty import Uncertainty
 from ....run.methods import BOUNDS, PLANNERS, names
 from ....run.run_options import DEFAULT_BOUND, DEFAULT_BOUND_TIME_LIMIT_S, DEFAULT_TIME_LIMIT_S
 from ..forms.options import JobOption, choice, flag, number, text, whole
@@ -89,6 +92,20 @@ def _limit(default: float) -> JobOption:
     )
 
 
+def _varied(name: str, label: str) -> JobOption:
+    words = {kind.name: kind.title for kind in KINDS.values()}
+    return JobOption(
+        name,
+        "--vary",
+        label,
+        "vary",
+        pattern=VARY,
+        help=VARIED,
+        choices=lambda: list(KINDS),
+        words=words,
+    )
+
+
 def _euros(name: str, label: str) -> JobOption:
     return JobOption(f"{name}_cost_eur", f"--{name}-cost", label, "number", "€", None, 0.0, 1e12)
 
@@ -106,6 +123,7 @@ GRAVITIES = ("two-body", "j2", "j3", "j4")
 OF_GRAVITY = "zonal harmonics up to this one; by default those of the instance"
 FLIGHTS = ("oem", "opm", "ocm", "czml", "script")
 OF_FLIGHTS = "CCSDS messages of states or burns, CZML for Cesium, or a script for GMAT"
+OF_UNSURE = "1σ of each leg's; a dropped file of uncertainties stands in place of these five"
 OF_BURNS = "free: least ΔV at any times; planned: the plan's own, changed little"
 OF_FORCES = "of a refined plan: its own field, or all forces"
 OF_ACTIVITY = "on which the density of the air depends"
@@ -114,6 +132,31 @@ OF_ERRORS = "with a dropped file of errors"
 OF_RULES = "by default that of the mission"
 OF_SUN = "least angle from the velocity"
 AROUND = JobOption("around", "", "Around objects of the catalogue", "flag", default=False)
+
+SHARE: dict[str, Any] = {"sign": "", "kind": "number", "unit": "%", "least": 0.0, "most": 100.0}
+UNSURE = (
+    JobOption("spread", label="Spread of ΔV", default=5.0, help=OF_UNSURE, **SHARE),
+    JobOption("success", label="Captures that succeed", default=95.0, **SHARE),
+    JobOption("tries", "", "Tries at a capture", "number", "", 2, 1, 9, whole=True),
+    JobOption("delay", "", "Delay of services, mean", "number", "h", 0.0, 0.0, 1000.0),
+    JobOption("slip", "", "Slip of launches, mean", "number", "days", 0.0, 0.0, 1000.0),
+)
+"""What may go otherwise, without a file that says so."""
+
+
+def unsure(given: Mapping[str, Any]) -> Uncertainty:
+    """The uncertainties that :data:`UNSURE` state, with their defaults where they are not given."""
+    stated = {option.name: given.get(option.name, option.default) for option in UNSURE}
+    content: dict[str, Any] = {
+        "legs": {"delta_v_factor": {"lognormal_sigma": stated["spread"] / 100.0}},
+        "capture": {"success": stated["success"] / 100.0, "tries": int(stated["tries"])},
+    }
+    if stated["delay"]:
+        content["service_s"] = {"added": {"mean_s": stated["delay"] * HOUR_S}}
+    if stated["slip"]:
+        content["launches"] = {"slip_s": {"mean_s": stated["slip"] * DAY_S}}
+    return Uncertainty.model_validate(content)
+
 
 VERBS: dict[str, JobVerb] = {
     "bound": JobVerb(
@@ -221,8 +264,8 @@ VERBS: dict[str, JobVerb] = {
         "Trade off",
         ("instance",),
         (
-            text("vary", "Vary", help=VARIED, pattern=VARY),
-            JobOption("vary_too", "--vary", "Vary, too", "text", pattern=VARY, help=VARIED),
+            _varied("vary", "Vary"),
+            _varied("vary_too", "Vary, too"),
             PLANNER,
             _limit(DEFAULT_TIME_LIMIT_S),
             SEED,
@@ -253,6 +296,7 @@ VERBS: dict[str, JobVerb] = {
         ("plan", "uncertainty"),
         (
             choice("policy", "Policy", ("follow", "skip", "replan", "beam"), "follow"),
+            *UNSURE,
             whole("samples", "Rehearsals", 1000, 1, 1e6),
             SEED,
         ),

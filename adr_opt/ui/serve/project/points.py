@@ -62,7 +62,8 @@ def points_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
             }
         )
     prize = answer["unit"] if of_designs else "prize"
-    return {"titles": titles, "across": titles.index(across), "prize": prize, "points": rows}
+    told = {"titles": titles, "across": titles.index(across), "prize": prize, "points": rows}
+    return told | {"kind": None if of_designs else kinds[0]}
 
 
 def plan_of_point(place: Path, point: int) -> tuple[Instance, Plan]:

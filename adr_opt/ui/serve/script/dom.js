@@ -26,6 +26,14 @@ export function put(element, said) {
   if (found.textContent !== said) found.textContent = said;
 }
 
+// Rows stay where they are, and the focus in them, unless they are others.
+export function placed(holder, rows) {
+  const present = [...holder.children];
+  if (present.length !== rows.length || present.some((row, at) => row !== rows[at])) {
+    holder.replaceChildren(...rows);
+  }
+}
+
 export const text = (value, digits = 6) =>
   value === null || value === undefined || Number.isNaN(value)
     ? NOTHING : String(Number(value.toPrecision(digits)));

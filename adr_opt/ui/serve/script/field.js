@@ -1,5 +1,6 @@
 // A field of a form as the server describes it: label, unit, help, and why a value is refused.
-import { made, text } from "./dom.js";
+import { DAY_S, made, text } from "./dom.js";
+import { told } from "./store.js";
 
 // Values of choices in words, where they are none.
 const WORDS = {
@@ -30,7 +31,15 @@ const numberOf = ({ by = 1 }, input) => (
   input.value === EMPTY ? null : Number((Number(input.value) * by).toPrecision(14)));
 const wordOf = (spec, value) => (typeof value === "number" ? text(shownAs(spec, value), 12) : EMPTY);
 
-// The control, its value read, and its value set; of a window, the second control beside it.
+// What limits may be varied around, in the unit that they are varied in.
+const NOW = {
+  duration: (state) => state.duration_s / DAY_S,
+  "delta-v": (state) => state.chasers[0]?.delta_v_m_s,
+  propellant: (state) => (state.chasers[0]?.unit === "kg" ? state.chasers[0].amount : undefined),
+};
+const SHARES = [0.5, 1.5, 0.25]; // of that: from, to, and step
+
+// The control, its value read, and its value set; where there are others beside it, these, too.
 const CONTROLS = {
   number: (spec) => {
     const control = numberInput(spec);
@@ -45,7 +54,7 @@ const CONTROLS = {
     const second = numberInput(spec, { placeholder: "to", "aria-label": `${titled}, to` });
     return {
       control,
-      second,
+      others: [second],
       read: () => [control, second].map((input) => numberOf(spec, input)),
       write: (value) => [control, second].forEach((input, at) => { input.value = wordOf(spec, value?.[at]); }),
     };
@@ -76,6 +85,23 @@ const CONTROLS = {
       write: (value) => { control.value = value ?? EMPTY; },
     };
   },
+  vary: (spec, titled) => {
+    const control = made("select", {}, new Option("nothing", EMPTY));
+    control.append(...spec.choices.map((each) => new Option(spec.words[each] ?? each, each)));
+    const others = ["from", "to", "step"].map((word) => (
+      numberInput(spec, { placeholder: word, "aria-label": `${titled}, ${word}` })));
+    control.addEventListener("change", () => {
+      const now = told.state && NOW[control.value]?.(told.state);
+      others.forEach((input, at) => { input.value = now ? text(SHARES[at] * now) : EMPTY; });
+    });
+    return {
+      control,
+      others,
+      read: () => (control.value === EMPTY || others.some(({ value }) => value === EMPTY) ? null
+        : `${control.value}=${others.map(({ value }) => value).join(":")}`),
+      write: () => { control.value = EMPTY; },
+    };
+  },
   flag: () => {
     const control = made("input", { type: "checkbox" });
     return {
@@ -91,8 +117,8 @@ export function fieldOf(spec, id, change = null) {
   const titled = spec.unit ? `${spec.label} [${spec.unit}]` : spec.label;
   const between = spec.kind === "list" && spec.default?.length === 2;
   const kind = between ? "window" : spec.kind;
-  const { control, second, read, write } = (CONTROLS[kind] ?? CONTROLS.text)(spec, titled);
-  const inputs = second ? [control, second] : [control];
+  const { control, others = [], read, write } = (CONTROLS[kind] ?? CONTROLS.text)(spec, titled);
+  const inputs = [control, ...others];
   control.id = id;
   const help = made("span", { class: "help", id: `${id}-help` }, spec.help ?? EMPTY);
   const why = made("span", { class: "why", id: `${id}-why`, "aria-live": "polite" });

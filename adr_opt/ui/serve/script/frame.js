@@ -8,7 +8,7 @@ let paged = null; // number of the result whose page is there
 // Another frame each time, so that the way back in the browser leads out of the page. It runs
 // scripts of its own, and has no way to those of this page.
 function open(title, address, loaded) {
-  const frame = made("iframe", { title, sandbox: "allow-scripts allow-downloads", src: address });
+  const frame = made("iframe", { title, sandbox: "allow-scripts allow-downloads allow-modals", src: address });
   frame.addEventListener("load", loaded);
   box("frame").replaceChildren(frame);
 }

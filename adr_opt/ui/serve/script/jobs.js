@@ -1,5 +1,5 @@
 // Jobs of the server: a bar for each, and a button that stops it.
-import { box, button, counted, made, put } from "./dom.js";
+import { box, button, counted, made, placed, put } from "./dom.js";
 import { follow } from "./store.js";
 import { complain, send } from "./talk.js";
 
@@ -34,11 +34,7 @@ function show(jobs, before) {
     put(said, ends(job) && job.said ? `${job.state}: ${job.said}${time}`
       : `${job.state}${time}${job.said ? `: ${job.said}` : ""}`);
   }
-  const present = [...box("jobs").children];
-  const wanted = listed.map((job) => rowOf(job).row);
-  if (present.length !== wanted.length || present.some((row, at) => row !== wanted[at])) {
-    box("jobs").replaceChildren(...wanted);
-  }
+  placed(box("jobs"), listed.map((job) => rowOf(job).row));
   const running = jobs.filter((job) => !ends(job)).length;
   box("with-jobs").hidden = !listed.length;
   put("jobs-said", running ? `${counted(running, "job")} at work` : "");

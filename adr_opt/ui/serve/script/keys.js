@@ -11,7 +11,7 @@ export function start() {
     const typing = event.target.matches?.("input:not([type=checkbox], [type=range])");
     if (command && key === "enter" && viewed() === "mission") {
       event.target.blur(); // what is typed counts
-      setTimeout(() => box("plan").click(), 50);
+      box("plan").click();
     } else if (key === "escape" && viewed() === "objects" && clearBrushes()) {
       // Brushes first; pressed again, it stops what runs.
     } else if (key === "escape" && !box("stop").disabled) box("stop").click();

@@ -1,9 +1,10 @@
 // Limits of the mission: its duration, and a budget for each chaser.
 import { box, DAY_S, made, step, text } from "./dom.js";
+import { showFrontier } from "./frontier.js";
 import { follow, again } from "./store.js";
 import { edit } from "./talk.js";
 
-function limit(key, label, unit, first, change) {
+function limit(key, kind, label, unit, first, change) {
   const field = made("input", {
     type: "number", min: "0", step: "any", inputmode: "decimal", id: `limit-${key}`,
   });
@@ -11,7 +12,10 @@ function limit(key, label, unit, first, change) {
   const slider = made("input", { type: "range", "aria-label": `${label} [${unit}], slider` });
   const worth = made("span", { class: "worth" });
   const row = made("div", { class: "limit" }, named, slider, worth);
-  slider.addEventListener("input", () => { field.value = slider.value; });
+  slider.addEventListener("input", () => {
+    field.value = slider.value;
+    if (kind) showFrontier(kind, label, Number(slider.value), first);
+  });
   for (const input of [slider, field]) {
     input.addEventListener("change", () => {
       if (input.value !== "") change(Number(input.value));
@@ -40,11 +44,12 @@ function show(state) {
   const now = JSON.stringify(state.chasers.map(({ name, unit, first }) => [name, unit, first]));
   if (now !== key) {
     key = now;
-    limits = [limit("duration", "Duration", "d", state.first_duration_s / DAY_S,
+    limits = [limit("duration", "duration", "Duration", "d", state.first_duration_s / DAY_S,
       (days) => edit({ duration_s: days * DAY_S }))];
     state.chasers.forEach((chaser, at) => {
       const label = state.chasers.length > 1 ? `Budget of ${chaser.name}` : "Budget";
-      limits.push(limit(`budget-${at}`, label, chaser.unit, chaser.first,
+      const kind = state.chasers.length > 1 ? null : chaser.unit === "kg" ? "propellant" : "delta-v";
+      limits.push(limit(`budget-${at}`, kind, label, chaser.unit, chaser.first,
         (amount) => edit({ budget: { chaser: chaser.name, amount } })));
     });
     box("limits").replaceChildren(...limits.map((each) => each.row));

@@ -1,6 +1,6 @@
 // The list of objects that pass: sorted by any column, with only the rows in the DOM that are seen.
 import { COLUMNS, known, order } from "./columns.js";
-import { box, made, text } from "./dom.js";
+import { box, made, placed, put, text } from "./dom.js";
 
 const ROW = 30; // height in CSS pixels, as page.css has it
 const SPARE = 4; // rows beyond the edges
@@ -109,25 +109,20 @@ export class List {
       mine.row.setAttribute("aria-rowindex", String(number + 2));
       mine.tick.checked = this.field.ticked[at] === 1;
       mine.tick.setAttribute("aria-label", `Tick ${this.field.names[at]}`);
-      if (mine.name.textContent !== this.field.names[at]) {
-        mine.name.textContent = this.field.names[at];
-        mine.name.title = this.field.names[at];
-      }
-      this.names.forEach((name, column) => {
-        const said = text(this.field[name][at], DIGITS[name]);
-        if (mine.cells[column].textContent !== said) mine.cells[column].textContent = said;
-      });
+      put(mine.name, this.field.names[at]);
+      mine.name.title = this.field.names[at];
+      this.names.forEach((name, column) => (
+        put(mine.cells[column], text(this.field[name][at], DIGITS[name]))));
       drawn.push(mine.row);
     }
     const [before, after] = [first * ROW, (this.shown.length - last) * ROW];
     box("objects-before").style.height = `${before}px`;
     box("objects-after").style.height = `${after}px`;
-    const present = [...this.body.children];
-    if (present.length !== drawn.length || present.some((row, at) => row !== drawn[at])) {
-      const focused = document.activeElement;
-      const within = this.body.contains(focused);
-      this.body.replaceChildren(...drawn);
-      if (within && drawn.some((row) => row.contains(focused))) focused.focus({ preventScroll: true });
+    const focused = document.activeElement;
+    const within = this.body.contains(focused);
+    placed(this.body, drawn);
+    if (within && document.activeElement !== focused && this.body.contains(focused)) {
+      focused.focus({ preventScroll: true });
     }
   }
 

@@ -25,10 +25,22 @@ function show() {
   }
 }
 
+// Keep-out zones are dragged in the report, which is told where they are now.
+const framed = () => document.querySelector("#frame iframe")?.contentWindow;
+const tellZones = () => framed()?.postMessage({ zones: told.state?.instance?.keep_out_zones ?? [] }, "*");
+const moveZones = (moved) => edit(() => ({
+  part: {
+    path: "keep_out_zones",
+    value: told.state.instance.keep_out_zones.map((zone, at) => ({ ...zone, ...moved[at] })),
+  },
+}));
+
 export function start() {
   addEventListener("message", ({ source, data }) => {
-    const frame = document.querySelector("#frame iframe");
-    if (!frame || source !== frame.contentWindow || typeof data?.object !== "string") return;
+    if (!source || source !== framed()) return;
+    if (data?.ready) tellZones();
+    if (data?.zones) moveZones(data.zones);
+    if (typeof data?.object !== "string") return;
     name = data.object;
     if (!target()) return;
     show();
@@ -41,5 +53,8 @@ export function start() {
     window_s: [target()[5]?.[0] ?? 0, value === "" ? null : Number(value) * DAY_S],
   }));
   box("object-close").addEventListener("click", () => box("object").close());
-  follow("state", () => { if (box("object").open) show(); });
+  follow("state", () => {
+    tellZones();
+    if (box("object").open) show();
+  });
 }

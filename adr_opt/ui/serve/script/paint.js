@@ -6,7 +6,7 @@ const CLASSES = 5;
 const KINDS = 6; // colours; further kinds share the last one
 
 // A colour of the style sheet as a pixel of an ImageData seen as 32-bit numbers (little endian).
-function pixel(name) {
+export function pixel(name) {
   const [red, green, blue] = colour(name).slice(1).match(/../g).map((pair) => parseInt(pair, 16));
   return ((255 << 24) | (blue << 16) | (green << 8) | red) >>> 0;
 }

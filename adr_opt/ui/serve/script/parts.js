@@ -3,20 +3,19 @@ import { branch, branches, stands, withBranch } from "./alternatives.js";
 import { box, button, made } from "./dom.js";
 import { dig, fieldOf, withValue } from "./field.js";
 import { follow, told } from "./store.js";
-import { post } from "./talk.js";
+import { refusal } from "./talk.js";
 
-const LISTS = { chasers: "chaser", stations: "station" };
+const LISTS = { chasers: "chaser", stations: "station", keep_out_zones: "zone" };
 const SINGLE = { mission: "Mission", transfer: "Transfer", objective: "Objective" };
 // Of each group one is given; the others make room for it.
 const INSTEAD = [["service_revolutions", "service_s"]];
+const EARTH_RADIUS_M = 6378137;
 const built = new Map(); // by the place of an element: { key, fields, holder }
 
 const specsOf = (part) => told.forms.filter((spec) => spec.part === part);
 
-async function change(path, value) {
-  const { refused } = await post("/edit", { part: { path, value } });
-  return refused;
-}
+// A part is made of what it is when its turn comes, so that of two edits none undoes the other.
+const change = (path, make) => refusal(() => ({ part: { path, value: make() } }));
 
 // The fields of one element, each of which changes a copy of it and sends the whole part.
 function form(part, at, element, commit) {
@@ -27,12 +26,12 @@ function form(part, at, element, commit) {
     const { path } = spec;
     if (branches(specs, spec)) {
       const write = (chosen) => withBranch(specs, path, current(), chosen, told.state.instance);
-      const field = fieldOf(spec, id(path), (chosen) => commit(write(chosen)));
+      const field = fieldOf(spec, id(path), (chosen) => commit(() => write(chosen)));
       return { field, of: (now) => branch(specs, path, now) };
     }
     const described = path.endsWith(".station")
       ? { ...spec, kind: "choice", choices: stationNames() } : spec;
-    const field = fieldOf(described, id(path), (value) => commit(changed(current(), path, value)));
+    const field = fieldOf(described, id(path), (value) => commit(() => changed(current(), path, value)));
     return { field, of: (now) => dig(now, path) ?? (spec.optional ? null : spec.default) };
   };
   return specs.filter((spec) => stands(specs, spec, element))
@@ -84,30 +83,30 @@ function newName(name, names) {
 
 // ---- Lists ---------------------------------------------------------------------------------------
 
-const cards = { chasers: [], stations: [] };
+const cards = Object.fromEntries(Object.keys(LISTS).map((part) => [part, []]));
 
 function card(part, at) {
   const title = made("span");
   const holder = made("div", { class: "form" });
   const why = made("p", { class: "why", "aria-live": "polite" });
   const all = () => told.state.instance[part];
-  const tell = async (elements) => { why.textContent = await change(part, elements); };
-  const another = button("Duplicate", () => {
+  const tell = async (make) => { why.textContent = await change(part, make); };
+  const another = button("Duplicate", () => tell(() => {
     const copy = structuredClone(all()[at]);
-    copy.name = newName(copy.name, all().map(({ name }) => name));
-    tell([...all(), copy]);
-  });
-  const less = button("Remove", () => tell(all().filter((_, other) => other !== at)));
+    if (copy.name) copy.name = newName(copy.name, all().map(({ name }) => name));
+    return [...all(), copy];
+  }));
+  const less = button("Remove", () => tell(() => all().filter((_, other) => other !== at)));
   const details = made("details", { class: "card" },
     made("summary", {}, title), holder, made("div", { class: "acts small" }, another, less), why);
-  const commit = (element) =>
-    change(part, all().map((other, number) => (number === at ? element : other)));
+  const commit = (make) =>
+    change(part, () => all().map((other, number) => (number === at ? make() : other)));
   const show = () => {
     const element = all()?.[at];
     if (!element) return;
-    title.textContent = element.name;
-    another.setAttribute("aria-label", `Duplicate ${element.name}`);
-    less.setAttribute("aria-label", `Remove ${element.name}`);
+    title.textContent = element.name ?? `${LISTS[part]} ${at + 1}`;
+    another.setAttribute("aria-label", `Duplicate ${title.textContent}`);
+    less.setAttribute("aria-label", `Remove ${title.textContent}`);
     less.disabled = part === "chasers" && all().length === 1;
     // Fields are made when somebody looks at them first.
     if (details.open) fill(`${part} ${at}`, part, at, element, holder, commit);
@@ -128,14 +127,22 @@ function showList(part) {
   for (const { show } of cards[part]) show();
 }
 
-function add(part) {
-  const elements = told.state.instance[part];
+function withAnother(part) {
+  const { instance, duration_s: end } = told.state;
+  const elements = instance[part];
+  if (part === "keep_out_zones") {
+    const axis = (instance.stations[0]?.orbit ?? instance.chasers[0].start?.orbit)?.semi_major_axis_m;
+    const height = Math.round(((axis ?? EARTH_RADIUS_M + 800000) - EARTH_RADIUS_M) / 1000) * 1000;
+    return [...elements, {
+      start_s: end / 3, end_s: end / 2, min_altitude_m: height + 10000, max_altitude_m: height + 20000,
+    }];
+  }
   const names = elements.map(({ name }) => name);
   const like = elements.at(-1) ?? {
-    orbit: structuredClone(told.state.instance.chasers[0]?.start?.orbit ?? null),
+    orbit: structuredClone(instance.chasers[0]?.start?.orbit ?? null),
   };
   const name = elements.length ? newName(like.name, names) : LISTS[part];
-  return change(part, [...elements, { ...structuredClone(like), name }]);
+  return [...elements, { ...structuredClone(like), name }];
 }
 
 // How bodies move: a word of the instance, not a part of it.
@@ -145,8 +152,7 @@ function showDynamics({ instance }) {
   if (!dynamics) {
     const spec = told.forms.find(({ part }) => part === "dynamics");
     if (!spec) return;
-    dynamics = fieldOf(spec, "part-dynamics", async (value) => (
-      (await post("/edit", { dynamics: value })).refused));
+    dynamics = fieldOf(spec, "part-dynamics", (value) => refusal({ dynamics: value }));
     box("dynamics").replaceChildren(dynamics.row);
   }
   dynamics.set(instance.dynamics);
@@ -162,7 +168,7 @@ function show() {
   for (const part of Object.keys(SINGLE)) {
     const details = box(part).closest("details");
     if (details.open) {
-      fill(part, part, null, state.instance[part] ?? {}, box(part), (value) => change(part, value));
+      fill(part, part, null, state.instance[part] ?? {}, box(part), (make) => change(part, make));
     }
   }
 }
@@ -173,7 +179,7 @@ export function start() {
   }
   for (const part of Object.keys(LISTS)) {
     box(`add-${part}`).addEventListener("click", async () => {
-      box(`${part}-why`).textContent = await add(part);
+      box(`${part}-why`).textContent = await change(part, () => withAnother(part));
     });
   }
   follow("state", show);

@@ -1,25 +1,11 @@
 // Points of a trade-off beside the list of results: a plot and a table, in which each opens its plan.
-import { box, button, made, NOTHING, text, ticks } from "./dom.js";
+import { box, button, made, NOTHING, text } from "./dom.js";
+import { around, axes, drawn } from "./svg.js";
 import { complain, get, send } from "./talk.js";
 
-const SVG = "http://www.w3.org/2000/svg";
 const [WIDTH, HEIGHT] = [420, 240];
 const [LEFT, RIGHT, TOP, BOTTOM] = [52, 10, 10, 38];
 const COLOURS = 6;
-
-function drawn(tag, attributes, content = "") {
-  const element = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-  element.textContent = content;
-  return element;
-}
-
-function scale(values, from, to) {
-  let [low, high] = [Math.min(...values), Math.max(...values)];
-  const room = (high - low) * 0.06 || Math.abs(high) * 0.05 || 1;
-  [low, high] = [low - room, high + room];
-  return { at: (value) => from + ((value - low) / (high - low)) * (to - from), low, high };
-}
 
 // The points of one value of all that is varied besides are a row, joined by a line.
 function rowsOf({ across, points }) {
@@ -31,23 +17,20 @@ function rowsOf({ across, points }) {
   return [...rows.values()];
 }
 
-function plot(id, told) {
+// With a mark, a line stands at that value across.
+export function plot(id, told, mark = null) {
   const { titles, across, prize } = told;
   const svg = drawn("svg", {
     class: "points", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, "aria-hidden": "true",
   });
   const known = told.points.filter(({ values, prize: value }) => values[across] !== null && value !== null);
   if (!known.length) return svg;
-  const x = scale(known.map(({ values }) => values[across]), LEFT, WIDTH - RIGHT);
-  const y = scale(known.flatMap((point) => [point.prize, point.bound ?? point.prize]), HEIGHT - BOTTOM, TOP);
-  for (const value of ticks(y.low, y.high, 4)) {
-    svg.append(
-      drawn("line", { class: "grid", x1: LEFT, x2: WIDTH - RIGHT, y1: y.at(value), y2: y.at(value) }),
-      drawn("text", { x: LEFT - 6, y: y.at(value) + 4, "text-anchor": "end" }, text(value, 4)),
-    );
-  }
-  for (const value of ticks(x.low, x.high, 4)) {
-    svg.append(drawn("text", { x: x.at(value), y: HEIGHT - BOTTOM + 16, "text-anchor": "middle" }, text(value, 5)));
+  const places = known.map(({ values }) => values[across]);
+  const x = around(mark === null ? places : [...places, mark], 0.06, LEFT, WIDTH - RIGHT);
+  const y = around(known.flatMap((point) => [point.prize, point.bound ?? point.prize]), 0.06, HEIGHT - BOTTOM, TOP);
+  svg.append(...axes(x, y));
+  if (mark !== null) {
+    svg.append(drawn("line", { class: "mark", x1: x.at(mark), x2: x.at(mark), y1: TOP, y2: HEIGHT - BOTTOM }));
   }
   svg.append(
     drawn("text", { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 5, "text-anchor": "middle" }, titles[across]),

@@ -1,5 +1,5 @@
 // Everything that was made: opened in the frame, shown as the plan, selected for comparisons.
-import { box, button, counted, made, put, text } from "./dom.js";
+import { box, button, counted, made, placed, put, text } from "./dom.js";
 import { showPage, showPlanReport } from "./frame.js";
 import { showPoints } from "./points.js";
 import { follow, told } from "./store.js";
@@ -121,11 +121,7 @@ function showResults() {
     row.classList.toggle("shown", shown);
     show.disabled = shown;
   }
-  const wanted = results.map(({ id }) => rows.get(id).row).reverse();
-  const present = [...box("results").children];
-  if (present.length !== wanted.length || present.some((row, at) => row !== wanted[at])) {
-    box("results").replaceChildren(...wanted);
-  }
+  placed(box("results"), results.map(({ id }) => rows.get(id).row).reverse());
   put("results-none", results.length ? "" : "Nothing made yet: Plan makes the first one.");
   document.documentElement.dataset.results = String(results.length);
 }

@@ -2,6 +2,7 @@
 // that pass and the rectangles of the brush, drawn as often as they change.
 import { COLUMNS, extent } from "./columns.js";
 import { colour, made, text, ticks } from "./dom.js";
+import { pixel } from "./paint.js";
 
 const ROUND = [1, 2, 5];
 const [LEFT, RIGHT, TOP, BOTTOM] = [62, 10, 8, 36]; // margins in CSS pixels
@@ -81,10 +82,8 @@ export class Scatter {
     const pen = this.under.getContext("2d");
     pen.setTransform(1, 0, 0, 1, 0, 0);
     this.dots.fill(0);
-    const dim = colour("dim");
-    const [red, green, blue] = dim.slice(1).match(/../g).map((pair) => parseInt(pair, 16));
-    const pixel = ((255 << 24) | (blue << 16) | (green << 8) | red) >>> 0;
-    for (let at = 0; at < this.field.count; at += 1) this.dot(at, pixel, 1);
+    const dim = pixel("dim");
+    for (let at = 0; at < this.field.count; at += 1) this.dot(at, dim, 1);
     pen.putImageData(this.image, 0, 0);
     pen.scale(this.ratio, this.ratio);
     pen.font = `12px ${getComputedStyle(document.body).fontFamily}`;

@@ -47,17 +47,32 @@ async function asked(path, options) {
   }
 }
 
-export const post = (path, content = {}) => asked(path, {
-  method: "POST",
-  headers: { "Content-Type": "application/json" },
-  body: JSON.stringify(content),
-});
+// A state that is older than the one that is known comes late: answers and the stream overtake each
+// other.
+function tellState(state) {
+  if (state.revision >= (told.state?.revision ?? 0)) tell("state", state);
+}
 
-export const upload = (file) => asked(`/upload?name=${encodeURIComponent(file.name)}`, {
-  method: "POST",
-  headers: { "Content-Type": "application/octet-stream" },
-  body: file,
-});
+// What changes something is asked one after the other, and each answer has the state that it leaves:
+// what follows an edit is of what that has made, however soon it is clicked.
+let turn = Promise.resolve();
+
+function inTurn(path, kind, body) {
+  const mine = turn.then(async () => {
+    const found = await asked(path, { method: "POST", headers: { "Content-Type": kind }, body: body() });
+    if (found.content?.state) tellState(found.content.state);
+    return found;
+  });
+  turn = mine.catch(() => {});
+  return mine;
+}
+
+// Content that is made of the state is a function, which is called when its turn comes.
+export const post = (path, content = {}) => inTurn(path, "application/json", () => (
+  JSON.stringify(typeof content === "function" ? content() : content)));
+
+export const upload = (file) => inTurn(
+  `/upload?name=${encodeURIComponent(file.name)}`, "application/octet-stream", () => file);
 
 export const get = (path) => asked(path, {});
 
@@ -68,6 +83,9 @@ export async function send(path, content = {}) {
   if (refused) again("state"); // what was typed is not what holds
   return answer;
 }
+
+// The sentence that refuses an edit, for the field that it is of; empty if none does.
+export const refusal = async (content) => (await post("/edit", content)).refused;
 
 export const edit = (content) => send("/edit", content);
 
@@ -84,6 +102,7 @@ export function listen() {
   worker.port.onmessage = ({ data: [kind, content] }) => {
     if (kind === "over") end(content);
     else if (kind === "trouble") complain(JSON.parse(content));
+    else if (kind === "state") tellState(JSON.parse(content));
     else tell(kind, JSON.parse(content));
     if (document.hidden) heed();
   };

@@ -1,8 +1,8 @@
 // The table of targets: prize, required, excluded, one by one or all that are shown.
-import { box, made, text } from "./dom.js";
+import { box, made, placed, text } from "./dom.js";
 import { fieldOf } from "./field.js";
 import { again, follow, told } from "./store.js";
-import { complain, edit, post } from "./talk.js";
+import { complain, edit, refusal } from "./talk.js";
 
 const MOST_ROWS = 300; // the filter finds the others
 const rows = new Map(); // by name
@@ -43,7 +43,6 @@ function show(state) {
   const found = targets.filter(
     (target) => kind(target) && target[0].toLowerCase().includes(wanted));
   const first = found.slice(0, MOST_ROWS);
-  const names = first.map(([name]) => name);
   for (const [name, prize, required, excluded, visited] of first) {
     const parts = rowOf(name);
     if (document.activeElement !== parts.prize || Number(parts.prize.value) !== prize) {
@@ -54,11 +53,7 @@ function show(state) {
     parts.row.classList.toggle("excluded", excluded);
     parts.row.classList.toggle("visited", visited);
   }
-  // Rows stay where they are while somebody works in one of them.
-  const before = [...box("targets").children].map((row) => row.firstChild.title);
-  if (before.length !== names.length || before.some((name, at) => name !== names[at])) {
-    box("targets").replaceChildren(...names.map((name) => rowOf(name).row));
-  }
+  placed(box("targets"), first.map(([name]) => rowOf(name).row));
   shown = found.map(([name]) => name);
   const more = found.length - first.length;
   box("more").textContent = more
@@ -83,8 +78,7 @@ let services = [];
 
 function build(forms) {
   services = forms.filter(({ part }) => part === "targets").map((spec) => {
-    const change = async (value) => (
-      (await post("/edit", { targets: { names: shown, [spec.path]: value } })).refused);
+    const change = (value) => refusal({ targets: { names: shown, [spec.path]: value } });
     return [PLACES[spec.path], fieldOf({ ...spec, default: spec.kind === "list" ? [null, null] : null },
       `targets-${spec.path}`, change)];
   });

@@ -17,7 +17,6 @@ function missing(needs) {
     plans: plans < 2 && "Select two plans or more in the list of results.",
     certificate: !told.results.some(({ files }) => files.some((name) => name.startsWith("certificate")))
       && "Needs a certificate: prove a bound with one first.",
-    uncertainty: !dropped("uncertainty") && "Needs a dropped file of uncertainties.",
   };
   absent["plan or refined"] = absent.plan;
   absent.refined = absent.plan || (!told.results.some(({ files }) => files.includes("refined.json"))
