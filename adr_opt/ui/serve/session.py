@@ -284,15 +284,8 @@ class EditingSession:
                 "result": self._shown.visible,
                 "of_last_run": self._shown.visible in (None, self._ended_with),
                 "trouble": self._trouble,
-                "captures": self._captures(),
+                "captures": captures.whose(self._history, self.results),
             }
-
-    def _captures(self) -> str | None:
-        """Whose windows targets have: "found" for them, or "given" with them; None without any."""
-        if not self._history.has_mission or self._history.draft.field.windows is None:
-            return None
-        found = captures.place_of(self._history.draft.field, self.results)
-        return "given" if found is None else "found"
 
     def _variant(self, instance: Instance) -> str:
         """What an instance differs in from the mission as it came."""
