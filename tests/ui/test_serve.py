@@ -233,6 +233,21 @@ def test_a_day_at_the_desk(desk: EditingSession, world: Path) -> None:
     assert adr_opt.load_plan(folder / "plan.json") == other
 
 
+def test_each_change_answers_with_the_state_that_it_leaves(desk: EditingSession) -> None:
+    """What is asked after an answer can be asked of the state in it."""
+    client = let_in(desk)
+    for path, content in (
+        ("/edit", {"duration_s": 60_000.0}),
+        ("/undo", {}),
+        ("/redo", {}),
+        ("/lift", {}),
+        ("/stop", {}),
+    ):
+        state = client.post(path, json=content).json()["state"]
+        assert state == client.get("/state").json()
+        assert state["revision"] == desk.revision
+
+
 def test_what_cannot_be_planned_is_said_on_the_page(desk: EditingSession) -> None:
     """Unknown methods and limits are refused; a mission without a plan says why."""
     client = let_in(desk)

@@ -293,8 +293,9 @@ def _action(backend: Backend, path: str, act: Callable[[str], Any]) -> Route:
     async def answer(request: Request) -> Response:
         try:
             text = (await request.body()).decode("utf-8")
-            made = await run_in_threadpool(act, text) or {}
-            told = to_json({**made, "state": await run_in_threadpool(backend.state)})
+            made = await run_in_threadpool(act, text)
+            content = made if isinstance(made, dict) else {}
+            told = to_json({**content, "state": await run_in_threadpool(backend.state)})
         except ClientDisconnect:
             return Response(status_code=400)  # which nobody hears
         except UnicodeDecodeError:

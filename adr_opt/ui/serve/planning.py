@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, Protocol
 
 from pydantic import Field
 
@@ -133,3 +133,31 @@ Found = Callable[[Instance, Plan | None], None]
 
 def ignored(instance: Instance, plan: Plan | None) -> None:
     """Handle no plans of running planners."""
+
+
+class PlanningWork(Protocol):
+    """What plans: one instance after another, in a thread or in a process of its own."""
+
+    def progress(self) -> PlanningProgress:
+        """Progress of the last run."""
+        ...
+
+    def begin(self, instance: Instance, order: PlanningOrder, known: Plan | None) -> int:
+        """Plan, stopping any run in progress; returns the number of the run."""
+        ...
+
+    def stop(self) -> None:
+        """Ask the run for its best plan."""
+        ...
+
+    def wait(self, seconds: float) -> bool:
+        """Wait until nothing runs; returns whether that is the case."""
+        ...
+
+    def prepare(self, *, drifts: bool) -> None:
+        """Load what the default method needs, for missions whose planes drift or do not."""
+        ...
+
+    def close(self) -> None:
+        """End what plans; nothing runs."""
+        ...

@@ -14,8 +14,7 @@ from . import captures, shown_plan
 from .drafts import Draft, Edit
 from .folder import Folder
 from .history import History
-from .planner_process import PlannerProcess
-from .planning import Done, Found, PlannedRun, PlanningOrder, PlanningProgress
+from .planning import Done, Found, PlannedRun, PlanningOrder, PlanningProgress, PlanningWork
 from .project.points import plan_of_point
 from .project.record import DroppedFile, ProjectRecord, ResultRecord, StepRecord
 from .project.results import Results
@@ -23,7 +22,6 @@ from .project_keeper import PlannedRuns, ProjectKeeper, forget_unused, restored
 from .project_keeper import run_told as told
 from .shown_plan import ShownPlan
 from .variants import differences
-from .work import Work
 
 
 class EditingSession:
@@ -60,7 +58,7 @@ class EditingSession:
         instance: Instance | None,
         plan: Plan | None,
         folder: Folder,
-        planner: Callable[[Done, Found], Work | PlannerProcess],
+        planner: Callable[[Done, Found], PlanningWork],
     ) -> None:
         if instance is not None and plan is not None:
             admit(instance, plan)
