@@ -227,7 +227,7 @@ def application(
         "/edit": lambda text: session.edit(read_edit(text)),
         "/undo": lambda text: session.undo(),
         "/redo": lambda text: session.redo(),
-        "/lift": lambda text: session.take_windows(None),
+        "/lift": lambda text: session.lift_windows(),
         "/plan": lambda text: session.plan(read_request(PlanningOrder, text)),
         "/sample": lambda text: backend.sample(),
         "/stop": lambda text: session.stop(),

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ...problem.capture_windows import FileWindows
 from ...problem.instance import Instance
+from .history import History
 from .project.plan_files import FIELD, INSTANCE
 from .project.results import Results
 
@@ -29,6 +30,13 @@ def place_of(field: Instance, results: Results) -> Path | None:
             if windows.sha256 == field.windows.sha256:
                 return place
     return None
+
+
+def whose(history: History, results: Results) -> str | None:
+    """Whose windows targets have: "found" for them, or "given" with them; None without any."""
+    if not history.has_mission or history.draft.field.windows is None:
+        return None
+    return "given" if place_of(history.draft.field, results) is None else "found"
 
 
 def without(field: Instance, results: Results) -> Instance:

@@ -256,19 +256,19 @@ class EditingSession:
         with self._lock:
             return captures.without(self._history.draft.field, self.results)
 
-    def take_windows(self, number: int | None) -> bool:
-        """Go on with the windows of a result, or without any that were found, as one edit.
-
-        Returns whether they are of this mission.
-        """
+    def take_windows(self, number: int) -> bool:
+        """Go on with the windows of a result, as one edit; returns whether they are of this one."""
         with self._lock:
-            field, words = self._history.draft.field, "captures in windows"
-            made = None if number is None else captures.found_for(field, self.results, number)
-            if number is None:
-                made, words = self.without_found_windows(), "captures at any time"
+            made = captures.found_for(self._history.draft.field, self.results, number)
             if made is not None:
-                self._go(lambda: self._history.go_on(made, words))
+                self._go(lambda: self._history.go_on(made, "captures in windows"))
             return made is not None
+
+    def lift_windows(self) -> None:
+        """Go on without windows that were found, as one edit."""
+        with self._lock:
+            made = self.without_found_windows()
+            self._go(lambda: self._history.go_on(made, "captures at any time"))
 
     def state(self) -> dict[str, Any]:
         """State of the page apart from report and run, as JSON data."""
@@ -282,15 +282,8 @@ class EditingSession:
                 "result": self._shown.visible,
                 "of_last_run": self._shown.visible in (None, self._ended_with),
                 "trouble": self._trouble,
-                "captures": self._captures(),
+                "captures": captures.whose(self._history, self.results),
             }
-
-    def _captures(self) -> str | None:
-        """Whose windows targets have: "found" for them, or "given" with them; None without any."""
-        if not self._history.has_mission or self._history.draft.field.windows is None:
-            return None
-        found = captures.place_of(self._history.draft.field, self.results)
-        return "given" if found is None else "found"
 
     def _variant(self, instance: Instance) -> str:
         """What an instance differs in from the mission as it came."""
