@@ -23,11 +23,12 @@ LAUNCH = {"altitude_m": 650e3, "inclination_deg": 82.96}
 
 
 @cache
-def planned() -> tuple[Instance, Plan]:
-    """Rocket bodies near 83°, and four chasers that are launched into a circle below them."""
+def planned(most: int | None = None) -> tuple[Instance, Plan]:
+    """Rocket bodies near 83°, and two chasers that are launched into a circle below them."""
     field = adr_opt.generate("removal", seed=0, targets=8)
     targets = [each for each in field.targets if each.orbit.inclination_deg > 80.0]
-    chasers = tuple(each.replace(start={"launch": LAUNCH}) for each in field.chasers[:2])
+    of_each = {"start": {"launch": LAUNCH}, "max_targets": most}
+    chasers = tuple(each.replace(**of_each) for each in field.chasers[:2])
     instance = field.replace(targets=tuple(targets), chasers=chasers)
     plan = adr_opt.solve(instance, "greedy-guarded", time_limit=60.0).plan
     assert all(route.legs for route in plan.routes)
@@ -50,7 +51,7 @@ def test_first_legs_are_flown_as_said() -> None:
 @pytest.mark.slow
 def test_plans_are_refined_from_the_circle() -> None:
     """Refined legs begin where the chaser is launched to, and their judge finds nothing."""
-    instance, plan = planned()
+    instance, plan = planned(1)
     refined = refine(instance, plan, freedom="planned", jobs=1)
     assert admit(instance, refined).holds
     assert not refined.missing
