@@ -185,7 +185,7 @@ def test_long_missions_have_tables(monkeypatch):
 @pytest.mark.parametrize("method", ["greedy-guarded", "auto", "exact"])
 def test_several_chasers_plan_on_rows_that_are_asked_for(method):
     """Without timetables two chasers plan as with them, and bounds stay above what they collect."""
-    for seed in range(3):
+    for seed in range(1 if method == "auto" else 3):  # auto goes on to the cost
         first = drawn(seed).chaser
         instance = drawn(seed).replace(chasers=(first, first.replace(name="another")))
         held, asked = Problem(instance), Problem(instance)

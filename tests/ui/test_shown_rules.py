@@ -121,11 +121,11 @@ def test_the_report_says_what_is_asked(flown) -> None:
 def test_the_planes_begin_where_the_chaser_does(flown) -> None:
     """The line of the chaser begins at its start, and only targets count as visited or not."""
     instance, plan = flown
-    chaser, missed, visited, numbers, stations = planes(instance, plan)["data"]
+    chaser, *missed, visited, numbers, stations = planes(instance, plan)["data"]
     start = instance.body_orbits[instance.start]
     assert chaser["y"][0] == pytest.approx(start.inclination_deg, abs=1e-4)
     assert len(stations["x"]) == len(instance.stations)
-    assert len(missed["x"]) + len(visited["x"]) == len(instance.targets)
+    assert sum(len(of["x"]) for of in (*missed, visited)) == len(instance.targets)
     targets = {target.name for target in instance.targets}
     visits = [n for n, leg in enumerate(plan.legs, start=1) if leg.destination in targets]
     assert numbers["text"] == [str(n) for n in visits]
