@@ -65,6 +65,8 @@ class Config:
     constant : float
     reward_scale : float
         Factor of the rewards while training.
+    imitated : int
+        Fields whose plans by beams are imitated before the first step.
     network : dict
         Options of the set network, or with ``net_arch`` of Stable-Baselines3's multilayer
         perceptron.
@@ -92,6 +94,7 @@ class Config:
     reward_scale: float
     slots: int = 48
     refresh_every: int = 8192
+    imitated: int = 0
     network: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -100,6 +103,8 @@ class Config:
             least = 2 if name == "batch" else 1
             if not least <= value <= 10**12:
                 raise InputError(f"--{name} = {value}: must be between {least} and {10**12}")
+        if not 0 <= self.imitated <= 10**6:
+            raise InputError(f"--imitate = {self.imitated}: must be between 0 and {10**6}")
         if not 0.0 < self.rate <= 1.0:
             raise InputError(f"--rate = {self.rate:g}: must be positive, and at most 1")
 
@@ -127,6 +132,7 @@ POLICY = Config(
     reward_scale=0.1,
     slots=128,
     refresh_every=4096,
+    imitated=1000,
     network={"width": 48, "layers": 2},
 )
 

@@ -24,6 +24,7 @@ from ..held import HeldFields
 from ..policy import Policy
 from .checkpoints import read_checkpoint, write_checkpoint
 from .configs import Config
+from .imitation import imitate
 from .network import SetPolicy
 from .runs import TrainingRun, locked
 
@@ -234,6 +235,8 @@ def train(  # noqa: PLR0913
             read_checkpoint(model, run.checkpoint)
             # A new model seeds the environment as at the beginning.
             env.seed((seed + done) % 2**32)
+        else:
+            imitate(model, config, seed, enough)
         keeper = Keeper(
             run, config, evaluate_every, checkpoint_s, enough, report, held or HeldFields()
         )

@@ -36,6 +36,9 @@ PREPARING = "preparing fields"
 @param.number("--rate", "R", "Learning rate at first.")
 @param.count("--rollout", "N", "Steps of each mission between two updates.")
 @param.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
+@param.count(
+    "--imitate", "N", "Fields whose plans by beams are imitated first; 0 for none.", name="imitated"
+)
 @param.word("--out", "DIR", "Folder of the run; resumed.", required=True)
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--jobs", type=int, default=1, show_default=True, help="Number of threads.")
@@ -68,6 +71,7 @@ def command(
     rate: float | None,
     rollout: int | None,
     steps: int | None,
+    imitated: int | None,
     out: str,
     seed: int,
     jobs: int,
@@ -88,7 +92,9 @@ def command(
     except ModuleNotFoundError as error:
         raise MissingExtra("train", str(error.name).partition(".")[0], "rl") from None
 
-    chosen = config_of(config, steps=steps, batch=batch, rate=rate, rollout=rollout)
+    chosen = config_of(
+        config, steps=steps, batch=batch, rate=rate, rollout=rollout, imitated=imitated
+    )
     for name, value, least, most in (
         ("--seed", seed, 0, 2**31 - 1),
         ("--jobs", jobs, 1, 1024),
