@@ -9,7 +9,6 @@ python bench/learning.py prior --fields 20
 python bench/learning.py rivals
 python bench/learning.py offline --out offline.npz
 python bench/learning.py ablation --steps 131072
-python bench/learning.py imitated --fields 400
 python bench/learning.py bounds reduced-time reduced-fuel --fields 12
 """
 
@@ -23,7 +22,6 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from statistics import fmean, median, stdev
@@ -45,14 +43,13 @@ from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.common.files import write_text
 from adr_opt.kernels.episodes import episodes as episode_kernels
-from adr_opt.kernels.episodes.choices import COST, LEGAL, SAFE
+from adr_opt.kernels.episodes.choices import COST, SAFE
 from adr_opt.kernels.episodes.episodes import Episodes, StackedFields
-from adr_opt.kernels.episodes.set_scores import UNSEEN
 from adr_opt.learning.decoding import Field
 from adr_opt.learning.environment import OBSERVATIONS, MissionEnv, MissionVecEnv
 from adr_opt.learning.environment.fields import FIRST_SEED
 from adr_opt.learning.episodes import Board
-from adr_opt.learning.evaluation import chosen, digest, evaluate, splits
+from adr_opt.learning.evaluation import digest, evaluate, splits
 from adr_opt.learning.held import FAMILIES as HELD_FAMILIES
 from adr_opt.learning.held import HeldFields
 from adr_opt.learning.policy import SHIPPED, load_policy
@@ -385,6 +382,8 @@ def offline(out: str = "offline.npz", fields: int = 12, limit: float = 60.0) -> 
     Seeds are those of training. Plans that need another schedule than the moves of
     the environment have are left out.
     """
+    from adr_opt.learning.training.imitation import states_of
+
     parts: dict[str, list[Any]] = {name: [] for name in ("moves", "mission", "action", "to_go")}
     made = 0
     for family, number in ((f, FIRST_SEED + at) for f in HELD_FAMILIES for at in range(fields)):
@@ -392,8 +391,8 @@ def offline(out: str = "offline.npz", fields: int = 12, limit: float = 60.0) -> 
         found = adr_opt.solve(mission, "exact", time_limit=limit)
         if found.plan is None or found.objective != found.upper_bound:
             continue
-        states = list[tuple[Any, ...]]()
-        if _states_of(mission, found.plan, states):
+        states = states_of(mission, found.plan)
+        if len(states) == len(found.plan.legs):
             made += 1
             for name, column in zip(parts, zip(*states, strict=True), strict=True):
                 parts[name] += column
@@ -412,10 +411,13 @@ def ablation(steps: int = 131_072, seeds: int = 1, fields: int = 50) -> None:
     from adr_opt.learning.training.configs import POLICY, PUBLISHED_CONFIG
     from adr_opt.learning.training.trainer import train
 
-    ours = replace(POLICY, fields=PUBLISHED_CONFIG.fields, models=(), steps=steps, slots=48)
+    ours = replace(
+        POLICY, fields=PUBLISHED_CONFIG.fields, models=(), steps=steps, slots=48, imitated=0
+    )
     flat = replace(ours, network=PUBLISHED_CONFIG.network)
     slow, absolute = {"rate": PUBLISHED_CONFIG.rate}, {"observation": "published"}
     arms = {
+        ("shared, 400 fields imitated first", "choices"): replace(ours, imitated=400),
         ("shared", "choices"): ours,
         ("shared", "choices "): replace(ours, **slow),
         ("none", "choices"): flat,
@@ -437,82 +439,6 @@ def ablation(steps: int = 131_072, seeds: int = 1, fields: int = 50) -> None:
                 train(config, Path(folder), seed=seed, report=report, held=held)
                 visits.append(f"{told['nominal']:.2f}")
         row(sharing, seen.strip(), f"{config.rate:g}", steps, ", ".join(visits))
-
-
-def imitated(
-    fields: int = 400, width: int = 300, epochs: int = 20, steps: int = 131_072, seed: int = 1
-) -> None:
-    """What imitating plans of a beam is worth, alone and before PPO, on fresh nominal fields.
-
-    A state is learned from as long as the plan's next move is one of the environment, which has one
-    connection for each.
-    """
-    import torch
-
-    from adr_opt.learning.training.configs import POLICY, PUBLISHED_CONFIG
-    from adr_opt.learning.training.trainer import model_of, policy_of
-
-    parts: list[tuple[Any, ...]] = []
-    whole, visits = 0, list[float]()
-    for number in range(FIRST_SEED, FIRST_SEED + fields):
-        mission = Mission(adr_opt.generate("nominal", number))
-        found = adr_opt.solve(mission, "beam", width=width, time_limit=math.inf)
-        assert found.plan is not None
-        visits.append(found.objective)
-        whole += _states_of(mission, found.plan, parts)
-    moves, seen, actions, to_go = (np.array(column) for column in zip(*parts, strict=True))
-    config = replace(POLICY, fields=PUBLISHED_CONFIG.fields, models=(), slots=48)
-    held = HeldFields(FRESH_SEED, 50)
-    head("begins with", "states", "visits", f"after {steps} steps of PPO")
-    for name in ("random weights", "imitation"):
-        env = MissionVecEnv(
-            config.missions,
-            config.fields,
-            slots=config.slots,
-            refresh_every=config.refresh_every,
-            reward_scale=config.reward_scale,
-            seed=seed,
-        )
-        model = model_of(config, env, seed, "cpu")
-        if name == "imitation":
-            network: Any = model.policy.network  # type: ignore[union-attr]
-            optimiser = torch.optim.Adam(network.parameters(), config.rate, eps=1e-5)
-            worth = torch.as_tensor(config.reward_scale * to_go, dtype=torch.float32)
-            for _ in range(epochs):
-                for rows in torch.randperm(len(actions)).split(config.batch):
-                    states = [torch.as_tensor(each[rows.numpy()]) for each in (moves, seen)]
-                    scores, value = network(*states)
-                    told = scores.masked_fill(states[0][..., LEGAL] == 0.0, -1e8)
-                    taken = torch.as_tensor(actions[rows.numpy()])
-                    # Of the moves that the network does not see none is learned.
-                    known = scores.gather(1, taken.unsqueeze(1)).squeeze(1) > UNSEEN
-                    loss = torch.nn.functional.cross_entropy(told[known], taken[known])
-                    loss = loss + 0.5 * (value - worth[rows]).square().mean()
-                    optimiser.zero_grad()
-                    loss.backward()
-                    optimiser.step()
-        means = [held.means(partial(chosen, policy_of(model, {})))["nominal"]]
-        model.learn(steps)
-        means.append(held.means(partial(chosen, policy_of(model, {})))["nominal"])
-        env.close()
-        row(name, len(parts) if name == "imitation" else 0, *(f"{each:.2f}" for each in means))
-    print(f"\n{fmean(visits):.2f} visits of the beams; {whole} of {fields} plans have moves alone.")
-
-
-def _states_of(mission: Mission, plan: adr_opt.Plan, parts: list[tuple[Any, ...]]) -> bool:
-    """Add states of a plan, with its next moves and what it collects from there on."""
-    field, rewards = Field(mission, load_policy()), np.zeros(1, dtype=np.float32)
-    episodes = field.begin(1)
-    names = {name: body for body, name in enumerate(mission.names)}
-    for leg in plan.legs:
-        board = field.judged(episodes)[1]
-        action = episode_kernels.action_of(names[leg.destination], field.targets)
-        if not board.mask[0, action]:
-            return False
-        seen, left = board.choices, plan.objective - float(episodes.collected[0])
-        parts.append((seen.moves[0].copy(), seen.mission[0].copy(), action, left))
-        episode_kernels.act(field.pool.arrays, episodes, 0, 1, np.array([action]), rewards)
-    return True
 
 
 def bounds(*families: str, block: str = "test", fields: int = 12, limit: float = 60.0) -> None:
@@ -557,7 +483,6 @@ if __name__ == "__main__":
             rivals,
             offline,
             ablation,
-            imitated,
             bounds,
         )
     )

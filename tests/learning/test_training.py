@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -30,12 +31,13 @@ from sb3_contrib import MaskablePPO  # noqa: E402
 from stable_baselines3.common.vec_env import VecNormalize  # noqa: E402
 
 from adr_opt.common.errors import InputError  # noqa: E402
+from adr_opt.kernels.episodes.choices import IS_STATION, LEGAL  # noqa: E402
 from adr_opt.learning import SetPolicy, evaluate, load_policy, write_policy  # noqa: E402
 from adr_opt.learning.environment import fields  # noqa: E402
 from adr_opt.learning.environment.vector import MissionVecEnv  # noqa: E402
 from adr_opt.learning.evaluation import UNCERTAIN, digest, splits  # noqa: E402
 from adr_opt.learning.held import FAMILIES, HELD_FIELDS, HELD_SEED, HeldFields  # noqa: E402
-from adr_opt.learning.training import configs, trainer  # noqa: E402
+from adr_opt.learning.training import configs, imitation, trainer  # noqa: E402
 from adr_opt.learning.training.checkpoints import read_checkpoint, read_state, write_checkpoint  # noqa: E402
 from adr_opt.learning.training.runs import TrainingRun, locked  # noqa: E402
 from adr_opt.sources.library import load_library  # noqa: E402
@@ -52,6 +54,8 @@ def _call(folder: Path, *more: str) -> list[str]:
         "--evaluate-every",
         "16384",
         "--checkpoint-every",
+        "0",
+        "--imitate",
         "0",
         *more,
     ]
@@ -135,6 +139,7 @@ BRIEF = replace(
     batch=8,
     epochs=2,
     slots=2,
+    imitated=0,
     models=(),
     network={"width": 8, "layers": 1},
 )
@@ -296,6 +301,7 @@ def test_bad_calls_of_train(cli, tmp_path: Path) -> None:
         ("--out", "run", "--batch", "1"),
         ("--out", "run", "--rollout", "0"),
         ("--out", "run", "--rate", "0"),
+        ("--out", "run", "--imitate", "-1"),
         ("--out", "file"),
         ("--out", "file/run"),
     ):
@@ -403,6 +409,36 @@ def test_the_sealed_block_is_the_one_announced(seed: int) -> None:
     block = splits()["blocks"]["test"]
     assert len(block["digests"]) * block["each"] == block["fields"]
     assert digest(block["first"] + seed * block["each"], block["each"]) == block["digests"][seed]
+
+
+@over_seeds(range(40), gate=2)
+def test_what_is_imitated_can_be_played(seed: int) -> None:
+    """States of a plan are those that its moves lead to, each of which is legal there."""
+    mission = adr_opt.Mission(adr_opt.generate("nominal", 9_500_000 + seed, targets=12))
+    plan = adr_opt.solve(mission, "beam", width=30).plan
+    assert plan is not None
+    states = imitation.states_of(mission, plan)
+    assert states[0].to_go == plan.objective
+    assert all(state.moves[state.action, LEGAL] == 1.0 for state in states)
+    # Prizes of these fields are equal, and only a station has none.
+    gained = [one.to_go - next.to_go for one, next in pairwise(states)]
+    assert gained == [float(state.moves[state.action, IS_STATION] == 0.0) for state in states[:-1]]
+
+
+def test_imitation_is_a_better_beginning_than_none(tmp_path: Path) -> None:
+    """From plans of few beams a policy begins with far more visits than from random weights."""
+    held, begun = HeldFields(count=1), list[float]()
+    for imitated in (0, 5):
+        config = replace(BRIEF, imitated=imitated, network={"width": 16, "layers": 1}, steps=1)
+        told: list[dict[str, float]] = []
+        trainer.train(
+            config,
+            tmp_path / str(imitated),
+            report=lambda steps, means, told=told: told.append(dict(means)),
+            held=held,
+        )
+        begun.append(next(sum(means.values()) for means in told if means))
+    assert begun[1] > 1.5 * begun[0]
 
 
 @pytest.mark.slow

@@ -100,7 +100,7 @@ def imitate(
     worth = (config.reward_scale * to_go).float()
     optimiser = torch.optim.Adam(network.parameters(), config.rate, eps=1e-5)
     for _ in range(EPOCHS):
-        for rows in torch.randperm(len(states), device=device).split(config.batch):
+        for rows in torch.split(torch.randperm(len(states), device=device), config.batch):
             scores, value = network(moves[rows], seen[rows])
             told = scores.masked_fill(moves[rows][..., LEGAL] == 0.0, ILLEGAL)
             # Nothing is learned of a move that the network does not see.
@@ -108,6 +108,6 @@ def imitate(
             loss = torch.nn.functional.cross_entropy(told[known], actions[rows][known])
             loss = loss + 0.5 * (value - worth[rows]).square().mean()
             optimiser.zero_grad()
-            loss.backward()  # type: ignore[no-untyped-call]
+            loss.backward()
             optimiser.step()
     return len(states)
