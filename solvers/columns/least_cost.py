@@ -447,7 +447,10 @@ def prove_cost_by_columns(
     bound : float
     counters : dict
     """
-    proof = ColumnCost(problem, certificate, pool, stop, options)
+    try:
+        proof = ColumnCost(problem, certificate, pool, stop, options)
+    except TimeIsOver:
+        return 0.0, {}
     found = settled(proof, enough)
     certificate.cost_evidence = proof.evidence
     return found

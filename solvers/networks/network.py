@@ -9,12 +9,13 @@ coarser one, see :mod:`.buckets`.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
 
+from adr_opt.common.stop import TimeIsOver
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.lists import chosen, rising
@@ -233,7 +234,12 @@ def _land(departure, start, post, duration, outgoing, landing, delta_v):
 
 
 def build(
-    mission: Mission, *, others: Sequence[Mission] = (), jobs: int, with_ends: bool = False
+    mission: Mission,
+    *,
+    others: Sequence[Mission] = (),
+    jobs: int,
+    with_ends: bool = False,
+    over: Callable[[], bool] = lambda: False,
 ) -> Network:
     """The network of a mission.
 
@@ -247,6 +253,12 @@ def build(
         Threads. The network does not depend on it.
     with_ends : bool
         Whether ends of services are kept, for walks that pay for time. They are where prizes fall.
+    over : callable
+        Asked before each body.
+
+    Raises
+    ------
+    TimeIsOver
     """
     inputs, rules = mission.transfer_inputs, mission.rules
     with_ends = with_ends or rules.falls is not None
@@ -255,13 +267,15 @@ def build(
     launched = {each.start for each in starting}.intersection(mission.instance.launches)
     is_start = np.zeros(bodies, dtype=np.bool_)
     is_start[[each.start for each in starting]] = True
+
+    def leaving(i: int) -> Outgoing:
+        if over():
+            raise TimeIsOver
+        found: Outgoing = _from_body(i, *inputs, listed_of(mission, i), rules, is_start)
+        return found
+
     with ThreadPoolExecutor(jobs) as pool:
-        found = list(
-            pool.map(
-                lambda i: _from_body(i, *inputs, listed_of(mission, i), rules, is_start),
-                range(bodies),
-            )
-        )
+        found = list(pool.map(leaving, range(bodies)))
         for i in launched:
             # It takes no time, so it stands before all that it leads to.
             found[i].departure[:] = min(0.0, rules.ready) - 1.0
@@ -281,6 +295,8 @@ def build(
         )
 
         def land(i: int) -> None:
+            if over():
+                raise TimeIsOver
             own = slice(first[start[i]], first[start[i + 1]])
             _land(departure, start, post, rules.duration, found[i], landing[own], delta_v[own])
             if with_ends:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from adr_opt.common.progress import Progress, silent
-from adr_opt.common.stop import Clock, Stop
+from adr_opt.common.stop import Clock, Stop, TimeIsOver
 from adr_opt.legs.families.registry import registered_of
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
@@ -74,7 +74,10 @@ class _Prover(ConcurrentProof[ColumnProof]):
         def made() -> ColumnProof | None:
             if stop.remaining_s() < max(LEAST_PROOF_S, LEAST_SET_UPS * set_up_s(problem)):
                 return None
-            return ColumnProof(problem, own, self._pool, seed, stop, options)
+            try:
+                return ColumnProof(problem, own, self._pool, seed, stop, options)
+            except TimeIsOver:
+                return None
 
         super().__init__(certificate, own, stop, made)
 

@@ -279,7 +279,10 @@ def proof_of(
         return LargeProof(mission, certificate, stop, options.cores)
     if stop.remaining_s() < max(least_s, set_ups * set_up_s(mission)):
         return None
-    return Proof(mission, certificate, stop, options)
+    try:
+        return Proof(mission, certificate, stop, options)
+    except TimeIsOver:
+        return None
 
 
 def prove(
@@ -345,16 +348,19 @@ def prove_cost(
 
     if stop.remaining_s() < set_up_s(mission) or not fits_memory(mission):
         return 0.0, {}
-    proof = CostProof(
-        mission,
-        certificate.incumbent,
-        certificate.offer,
-        lambda: certificate.cost,
-        over,
-        jobs=options.cores,
-        delta_v_slot_m_s=options.delta_v_slot_m_s,
-        most_labels=options.most_labels,
-    )
+    try:
+        proof = CostProof(
+            mission,
+            certificate.incumbent,
+            certificate.offer,
+            lambda: certificate.cost,
+            over,
+            jobs=options.cores,
+            delta_v_slot_m_s=options.delta_v_slot_m_s,
+            most_labels=options.most_labels,
+        )
+    except TimeIsOver:
+        return 0.0, {}
     bound, counters = settled(proof, enough)
     if mission.falls is None:  # what is lost has been looked ahead for, and `verify` does not
         certificate.cost_evidence = proof.evidence

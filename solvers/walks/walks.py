@@ -209,7 +209,9 @@ class WalkBound:
         self.since = np.array([each.rules.ready for each in (mission, *others)])
         self.limits = rules.limits
         bodies = self.prize.size
-        self.network = network or build(mission, others=others, jobs=jobs, with_ends=paid.time)
+        self.network = network or build(
+            mission, others=others, jobs=jobs, with_ends=paid.time, over=over
+        )
         assignment = assign(self.network, bucket_share)
         self.loads = rules.loads
         layers = 1 if self.loads is None else self.loads.full.size

@@ -7,6 +7,7 @@ import pytest
 from brute_force import brute_force
 
 import adr_opt
+from adr_opt.common.stop import TimeIsOver
 from adr_opt.legs.corrections import Corrections
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.instance import Instance
@@ -73,3 +74,16 @@ def test_proofs_over_transfers_of_both_kinds_equal_brute_force(
     result = adr_opt.solve(mission, "exact", time_limit=60.0, jobs=1)
     assert result.objective == pytest.approx(best)
     assert result.upper_bound == pytest.approx(best, abs=1e-5)
+
+
+def test_a_network_is_given_up_when_its_time_is_over() -> None:
+    """It asks before each body, and begins none once the time is over."""
+    asked: list[bool] = []
+
+    def over() -> bool:
+        asked.append(len(asked) >= 3)
+        return asked[-1]
+
+    with pytest.raises(TimeIsOver):
+        build(Mission(adr_opt.generate("nominal", 0)), jobs=1, over=over)
+    assert asked[:4] == [False, False, False, True]
