@@ -417,7 +417,6 @@ def ablation(steps: int = 131_072, seeds: int = 1, fields: int = 50) -> None:
     flat = replace(ours, network=PUBLISHED_CONFIG.network)
     slow, absolute = {"rate": PUBLISHED_CONFIG.rate}, {"observation": "published"}
     arms = {
-        ("shared, 400 fields imitated first", "choices"): replace(ours, imitated=400),
         ("shared", "choices"): ours,
         ("shared", "choices "): replace(ours, **slow),
         ("none", "choices"): flat,
