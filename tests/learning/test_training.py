@@ -55,8 +55,6 @@ def _call(folder: Path, *more: str) -> list[str]:
         "16384",
         "--checkpoint-every",
         "0",
-        "--imitate",
-        "0",
         *more,
     ]
 
@@ -139,7 +137,6 @@ BRIEF = replace(
     batch=8,
     epochs=2,
     slots=2,
-    imitated=0,
     models=(),
     network={"width": 8, "layers": 1},
 )

@@ -132,7 +132,6 @@ POLICY = Config(
     reward_scale=0.1,
     slots=128,
     refresh_every=4096,
-    imitated=1000,
     network={"width": 48, "layers": 2},
 )
 

@@ -36,9 +36,7 @@ PREPARING = "preparing fields"
 @param.number("--rate", "R", "Learning rate at first.")
 @param.count("--rollout", "N", "Steps of each mission between two updates.")
 @param.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
-@param.count(
-    "--imitate", "N", "Fields whose plans by beams are imitated first; 0 for none.", name="imitated"
-)
+@param.count("--imitate", "N", "Fields whose plans by beams are imitated first.", name="imitated")
 @param.word("--out", "DIR", "Folder of the run; resumed.", required=True)
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--jobs", type=int, default=1, show_default=True, help="Number of threads.")
