@@ -1,4 +1,4 @@
-"""Masked PPO in one file, without a library of learners: 26 visits of 50 in ten minutes.
+"""Masked PPO in one file, without a library of learners: 26 visits of 50 in two minutes.
 
 python examples/training/ppo_alone.py --steps 300000
 """
