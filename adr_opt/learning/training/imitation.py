@@ -35,7 +35,7 @@ ILLEGAL = -1e8
 """Score of moves that are not legal."""
 
 
-class State(NamedTuple):
+class TaughtState(NamedTuple):
     """A state of a plan, and what comes of it.
 
     Attributes
@@ -54,7 +54,7 @@ class State(NamedTuple):
     to_go: float
 
 
-def states_of(mission: Mission, plan: Plan) -> list[State]:
+def states_of(mission: Mission, plan: Plan) -> list[TaughtState]:
     """States of a plan, as far as its moves are those of the environment.
 
     That has one connection for each move, and a plan may need another one.
@@ -64,14 +64,14 @@ def states_of(mission: Mission, plan: Plan) -> list[State]:
     budget = instance.chaser.tank.delta_v_m_s - mission.reserve_m_s
     start(pool, episodes, 0, 0, budget, playing_time_s(instance))
     bodies = {name: body for body, name in enumerate(mission.names)}
-    board, found = Board("choices", 1, targets), list[State]()
+    board, found = Board("choices", 1, targets), list[TaughtState]()
     for leg in plan.legs:
         board.observe(pool.arrays, episodes, 0, 1)
         action = int(kernels.action_of(bodies[leg.destination], targets))
         if not board.mask[0, action]:
             break
         seen, left = board.choices, plan.objective - float(episodes.collected[0])
-        found.append(State(seen.moves[0].copy(), seen.mission[0].copy(), action, left))
+        found.append(TaughtState(seen.moves[0].copy(), seen.mission[0].copy(), action, left))
         kernels.act(pool.arrays, episodes, 0, 1, np.array([action]), rewards)
     return found
 
@@ -85,7 +85,7 @@ def imitate(
     """
     if not (config.imitated and isinstance(model.policy, SetPolicy)):
         return 0
-    states = list[State]()
+    states = list[TaughtState]()
     for at in range(config.imitated):
         if enough():
             return 0
