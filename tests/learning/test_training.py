@@ -299,6 +299,7 @@ def test_bad_calls_of_train(cli, tmp_path: Path) -> None:
         ("--out", "run", "--rollout", "0"),
         ("--out", "run", "--rate", "0"),
         ("--out", "run", "--imitate", "-1"),
+        ("--config", "published", "--out", "run", "--imitate", "5"),
         ("--out", "file"),
         ("--out", "file/run"),
     ):
@@ -436,6 +437,19 @@ def test_imitation_is_a_better_beginning_than_none(tmp_path: Path) -> None:
         )
         begun.append(next(sum(means.values()) for means in told if means))
     assert begun[1] > 1.5 * begun[0]
+    for imitated, first in ((0, "untrained"), (5, "imitating")):
+        card = load_policy(tmp_path / str(imitated) / "last.npz").card
+        assert list(card["families"]["nominal"]) == [first, "trained"]
+
+
+def test_nothing_is_learned_where_no_move_can_be_imitated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fields whose plans have no move of the environment leave the weights as they are."""
+    monkeypatch.setattr(imitation, "states_of", lambda mission, plan: [])
+    model, env = _model()
+    before = {name: of.clone() for name, of in model.policy.state_dict().items()}
+    assert imitation.imitate(model, replace(BRIEF, imitated=2)) == 0
+    assert all(torch.equal(of, before[name]) for name, of in model.policy.state_dict().items())
+    env.close()
 
 
 @pytest.mark.slow

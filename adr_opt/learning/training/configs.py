@@ -105,6 +105,8 @@ class Config:
                 raise InputError(f"--{name} = {value}: must be between {least} and {10**12}")
         if not 0 <= self.imitated <= 10**6:
             raise InputError(f"--imitate = {self.imitated}: must be between 0 and {10**6}")
+        if self.imitated and self.observation != "choices":
+            raise InputError(f"--imitate: {self.name!r} sees no choices, which are imitated")
         if not 0.0 < self.rate <= 1.0:
             raise InputError(f"--rate = {self.rate:g}: must be positive, and at most 1")
 

@@ -20,7 +20,6 @@ from ...sources.generator import generate
 from ..environment.fields import FIRST_SEED
 from ..episodes import Board, FieldPool, new_episodes, playing_time_s, start
 from .configs import Config
-from .network import SetPolicy
 
 FAMILIES = (*("reduced-time", "nominal", "reduced-fuel") * 3, "reduced-time")
 """Families of the fields in turn."""
@@ -81,10 +80,8 @@ def imitate(
 ) -> int:
     """Let a model choose as beams do on ``config.imitated`` fields; returns the number of states.
 
-    None are imitated where ``enough`` says so on the way, or the model has no :class:`.SetPolicy`.
+    None are imitated where ``enough`` says so on the way. The model has a :class:`.SetPolicy`.
     """
-    if not (config.imitated and isinstance(model.policy, SetPolicy)):
-        return 0
     states = list[TaughtState]()
     for at in range(config.imitated):
         if enough():
@@ -93,6 +90,8 @@ def imitate(
         mission = Mission(generate(family, FIRST_SEED + 100_000 * seed + at), threads=1)
         plan = solve(mission, "beam", width=WIDTH, time_limit=math.inf).plan
         states += [] if plan is None else states_of(mission, plan)
+    if not states:
+        return 0
     network, device = model.policy.network, model.device
     moves, seen, actions, to_go = (
         torch.as_tensor(np.array(column), device=device) for column in zip(*states, strict=True)
@@ -105,8 +104,9 @@ def imitate(
             told = scores.masked_fill(moves[rows][..., LEGAL] == 0.0, ILLEGAL)
             # Nothing is learned of a move that the network does not see.
             known = scores.gather(1, actions[rows].unsqueeze(1)).squeeze(1) > UNSEEN
-            loss = torch.nn.functional.cross_entropy(told[known], actions[rows][known])
-            loss = loss + 0.5 * (value - worth[rows]).square().mean()
+            taken = told[known], actions[rows][known]
+            loss = torch.nn.functional.cross_entropy(*taken, reduction="sum")
+            loss = loss / known.sum().clamp(min=1) + 0.5 * (value - worth[rows]).square().mean()
             optimiser.zero_grad()
             loss.backward()
             optimiser.step()

@@ -142,7 +142,8 @@ class TrainingRun:
     def card(self, steps: int) -> dict[str, Any]:
         """What a policy's file says of how it came about: see :class:`..policy.Policy`."""
         rows = self._curve()
-        ends = {"untrained": rows[0], "trained": rows[-1]} if rows else {}
+        first = "imitating" if self.facts["config"].get("imitated") else "untrained"
+        ends = {first: rows[0], "trained": rows[-1]} if rows else {}
         families = list(rows[0])[2:] if rows else []
         return {
             "name": self.facts["config"]["name"],

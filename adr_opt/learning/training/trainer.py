@@ -235,7 +235,7 @@ def train(  # noqa: PLR0913
             read_checkpoint(model, run.checkpoint)
             # A new model seeds the environment as at the beginning.
             env.seed((seed + done) % 2**32)
-        else:
+        elif config.imitated:
             imitate(model, config, seed, enough)
         keeper = Keeper(
             run, config, evaluate_every, checkpoint_s, enough, report, held or HeldFields()

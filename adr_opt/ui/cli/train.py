@@ -135,7 +135,7 @@ def command(
                 show = bars.enter_context(counting_bar(live, "steps"))
                 begun.append((done, time.monotonic(), show))
             first, since, show = begun[0]
-            show(done, chosen.steps or done)
+            show(done, chosen.steps)
             last.update(means)
             if means:
                 rate = (done - first) / max(time.monotonic() - since, 1e-9)
