@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from conftest import Cli
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from towed_fields import TANK, field
 
 import adr_opt
@@ -188,6 +189,33 @@ def test_a_kit_is_held_to_what_it_has_to_have() -> None:
             assert fate.propellant_kg == pytest.approx(burnt)
             assert fate.controlled
             assert fate.meets == (kit_kg > burnt)
+
+
+def test_burns_of_kits_end_on_the_orbit_of_disposal() -> None:
+    """From ellipses, by energy and momentum, to below, between and above their apsides."""
+    rng, target = np.random.default_rng(0), field().targets[0]
+
+    def opposite_m(at_m: float, speed_m_s: float) -> float:
+        axis_m = 1.0 / (2.0 / at_m - speed_m_s**2 / MU_M3_S2)
+        return 2.0 * axis_m - at_m
+
+    for _ in range(1000):
+        low_m, eccentricity = EARTH_RADIUS_M + rng.uniform(300e3, 1200e3), rng.uniform(0.0, 0.2)
+        axis_m, to_m = low_m / (1.0 - eccentricity), rng.uniform(50e3, 2000e3)
+        high_m = 2.0 * axis_m - low_m
+        orbit = target.orbit.replace(semi_major_axis_m=axis_m, eccentricity=eccentricity)
+        before = math.sqrt(MU_M3_S2 * (2.0 / high_m - 1.0 / axis_m))
+        lowered = target.replace(orbit=orbit, disposal=DisposalPerigee(perigee_m=min(to_m, 250e3)))
+        after = before - disposal_m_s(lowered)
+        assert opposite_m(high_m, after) == pytest.approx(EARTH_RADIUS_M + min(to_m, 250e3))
+        circle_m = EARTH_RADIUS_M + max(to_m, 300e3)
+        circled = target.replace(orbit=orbit, disposal=DisposalCircle(circle_m=max(to_m, 300e3)))
+        leaves = brentq(
+            lambda v, at=high_m, to=circle_m: opposite_m(at, v) - to, 0.5 * before, 1.2 * before
+        )
+        arrives = leaves * high_m / circle_m
+        taken = abs(before - leaves) + abs(arrives - math.sqrt(MU_M3_S2 / circle_m))
+        assert disposal_m_s(circled) == pytest.approx(taken, abs=1e-6)
 
 
 @pytest.mark.parametrize("disposal", [{"perigee_m": 50e3}, {"circle_m": 560e3}])
