@@ -101,6 +101,16 @@ class Newcomer:
         return said
 
 
+@contextmanager
+def shown(instance: Instance, folder: Path) -> Iterator[browser.Browser]:
+    """A page on which a mission is shown, and not planned yet."""
+    instance.save(folder / "my.json")
+    with served(folder, "my.json") as said, browser.Browser(folder / "profile") as tab:
+        tab.go(said["url"])
+        on_page(tab, "reported", 0)
+        yield tab
+
+
 SLOW_EDITS = """(() => {
   const { fetch } = window;
   const late = () => new Promise((done) => setTimeout(done, 400));
@@ -116,11 +126,8 @@ SLOW_EDITS = """(() => {
 @pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
 def test_what_follows_an_edit_is_asked_after_it(tmp_path: Path) -> None:
     """Edits and Plan, clicked in one go, come in their order, and of two edits none is undone."""
-    drawn().save(tmp_path / "my.json")
     names = [target.name for target in drawn().targets]
-    with served(tmp_path, "my.json") as said, browser.Browser(tmp_path / "profile") as tab:
-        tab.go(said["url"])
-        on_page(tab, "reported", 0)
+    with shown(drawn(), tmp_path) as tab:
         tab.evaluate(SLOW_EDITS)
         put(tab, "#limit", "20")
         excluded = [f'[aria-label="Exclude {name}"]' for name in names[1:]]
@@ -141,11 +148,8 @@ def test_what_follows_an_edit_is_asked_after_it(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_newcomer_finds_the_way(tmp_path: Path) -> None:
     """Six tasks, each in five clicks: plan, require, compare, refine, trade off and export."""
-    drawn().save(tmp_path / "my.json")
     names = [target.name for target in drawn().targets]
-    with served(tmp_path, "my.json") as said, browser.Browser(tmp_path / "profile") as tab:
-        tab.go(said["url"])
-        on_page(tab, "reported", 0)
+    with shown(drawn(), tmp_path) as tab:
         put(tab, "#limit", "20")
         somebody = Newcomer(tab)
         with somebody.task("plan"):
@@ -222,10 +226,7 @@ def test_a_sample_is_a_click_away(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_an_object_is_clicked_in_the_report(tmp_path: Path) -> None:
     """A click on the globe names an object, which is required, excluded or given a deadline."""
-    drawn().save(tmp_path / "my.json")
-    with served(tmp_path, "my.json") as said, browser.Browser(tmp_path / "profile") as tab:
-        tab.go(said["url"])
-        on_page(tab, "reported", 0)
+    with shown(drawn(), tmp_path) as tab:
         put(tab, "#limit", "5")
         tab.evaluate("document.getElementById('plan').click()")
         on_page(tab, "reported", 1)
@@ -253,11 +254,8 @@ ZONE = KeepOutZone(min_altitude_m=790e3, max_altitude_m=800e3, start_s=40000.0, 
 @pytest.mark.slow
 def test_a_zone_is_dragged_and_taken_back(tmp_path: Path) -> None:
     """What is dragged on the altitude chart is where it was left, and back again after undo."""
-    drawn().replace(keep_out_zones=(ZONE,)).save(tmp_path / "my.json")
     shape = "document.querySelector('#altitude .shapelayer path')"
-    with served(tmp_path, "my.json") as said, browser.Browser(tmp_path / "profile") as tab:
-        tab.go(said["url"])
-        on_page(tab, "reported", 0)
+    with shown(drawn().replace(keep_out_zones=(ZONE,)), tmp_path) as tab:
         put(tab, "#limit", "5")
         tab.evaluate("document.getElementById('plan').click()")
         on_page(tab, "reported", 1)
