@@ -8,11 +8,11 @@ import sys
 from contextlib import suppress
 
 INTERRUPTED = 128 + 2
-"""Exit status after Ctrl-C, as shells have it."""
+"""Exit status after Ctrl-C, the one that shells use."""
 
 
 def main() -> int:
-    """Run the command line as this process, which ends with the status that is returned."""
+    """Run the command line and return the exit status of this process."""
     # Importing takes a tenth of a second, in which Ctrl-C would print a traceback; and so would the
     # end of the interpreter. An ignored signal, as in the background of a script, stays ignored.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
@@ -39,7 +39,7 @@ def main() -> int:
 
 
 def _leave(number: int, frame: object) -> None:
-    """End the process at once: there is nothing yet, or nothing more, to tidy up."""
+    """End the process at once; no clean-up is needed before or after the command runs."""
     os.write(2, b"adr-opt: aborted\n")
     os._exit(128 + number)
 

@@ -1,4 +1,4 @@
-"""Arrays read from files of anybody: nothing is executed, and nothing sizes more than it holds."""
+"""Arrays from untrusted files: no code is executed, and no header claims more than is stored."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ def read_arrays(path: str | os.PathLike[str], most_bytes: float) -> dict[str, np
     Raises
     ------
     ValueError
-        It is no such file, is larger than ``most_bytes`` unpacked, or has arrays that say that they
-        are larger than what is stored of them.
+        The file is not an ``npz``, exceeds ``most_bytes`` unpacked, or has an array whose header
+        states another size than is stored.
     """
     try:
         with ZipFile(path) as packed:

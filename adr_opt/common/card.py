@@ -44,7 +44,7 @@ class CardTable(NamedTuple):
         columns: Mapping[str, Callable[..., str]],
         texts: int = 1,
     ) -> CardTable:
-        """A table by its columns: what stands under each head, from the arguments of a row."""
+        """A table from rows of values, with a function for each column that writes its cell."""
         rows = [tuple(tell(*item) for tell in columns.values()) for item in items]
         return cls(tuple(columns), rows, texts)
 

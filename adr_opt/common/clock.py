@@ -1,4 +1,4 @@
-"""The clock of planners and limits, which stands still while kernels are compiled, read or kept."""
+"""The clock of time limits, which stands still while kernels are compiled, loaded or cached."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _seconds: Callable[[], float] = time.perf_counter
 
 
 def leave_out(seconds: Callable[[], float]) -> None:
-    """Exclude some time of this process.
+    """Exclude a part of this process's running time from the clock.
 
     Parameters
     ----------
@@ -23,10 +23,10 @@ def leave_out(seconds: Callable[[], float]) -> None:
 
 
 def count_processor_time() -> None:
-    """Count the processor time of all threads of this process from now on, whatever else runs.
+    """From now on, count the processor time of all threads of this process instead of elapsed time.
 
-    Meant for benchmarks of one thread on a busy machine. Nothing is left out any more, compiling
-    of kernels neither, two threads use up a limit in half its time, and it cannot be undone.
+    Meant for single-threaded benchmarks on a busy machine. Nothing is excluded any more, not even
+    compilation; two threads use up a limit in half its time; and the switch cannot be undone.
     """
     global _seconds
     _pauses.clear()

@@ -1,4 +1,4 @@
-"""Errors, each reported in one sentence: those of calls and files, and all others."""
+"""Errors reported in one sentence: wrong input, missing extras, and failures of any other kind."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from .wording import cut, in_one_line
 
 LONGEST_SAID = 300
-"""Length beyond which what a library says of its error is cut [characters]."""
+"""Length beyond which the error message of a library is cut [characters]."""
 
 
 class InputError(ValueError):
@@ -51,7 +51,7 @@ class MissingExtra(InputError):
 
 
 def failure(error: BaseException) -> str:
-    """What went wrong in a sentence, for an error that is no fault of the input.
+    """One sentence on an error that was not caused by the input.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def failure(error: BaseException) -> str:
         )
     if isinstance(error, BrokenExecutor):
         return (
-            "a process that took part has ended, as where memory runs out; end other programs, or "
+            "a worker process has died, most likely for lack of memory; end other programs, or "
             "give fewer --jobs"
         )
     if isinstance(error, ImportError):

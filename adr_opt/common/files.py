@@ -50,7 +50,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
             f"{path}: cannot be read ({error.strerror}); check the path and its permissions"
         ) from None
     except ValueError:
-        raise InputError(f"{os.fspath(path)!r}: no file has such a name; check the path") from None
+        raise InputError(f"{os.fspath(path)!r}: not a valid file name; check the path") from None
 
 
 def read_model(path: str | os.PathLike[str], model: type[Model]) -> Model:
@@ -139,7 +139,7 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     try:
         folder = target.resolve().parent
     except (OSError, RuntimeError, ValueError):  # links in a circle, a NUL
-        raise InputError(f"{os.fspath(path)!r}: no file can have such a name") from None
+        raise InputError(f"{os.fspath(path)!r}: not a valid file name") from None
     if not folder.is_dir():
         raise InputError(f"{path}: the folder {target.parent} does not exist; create it first")
     if not os.access(folder, os.W_OK):

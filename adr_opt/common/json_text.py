@@ -1,4 +1,4 @@
-"""JSON texts as data: the only place where they are parsed, so that no key stands twice.
+"""The only parser of JSON texts, so that repeated keys are refused everywhere.
 
 Parsers keep the last value of a key that stands twice in an object, and say nothing of the others.
 """
@@ -18,7 +18,7 @@ T = TypeVar("T")
 M = TypeVar("M", bound=BaseModel)
 
 REPEATED = "repeated_key"
-"""Type of the error of validation of a key that stands twice."""
+"""Type of the validation error for a repeated key."""
 
 LONGEST_KEY = 60
 """Length beyond which keys are cut in error messages."""
@@ -42,7 +42,7 @@ def loaded(text: str | bytes) -> Any:
 
 
 def parse_json(text: str | bytes, where: str, otherwise: str = "") -> Any:
-    """The data of a JSON text of a user.
+    """The data of a user's JSON text.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def _why(error: ValueError | RecursionError) -> str:
     if isinstance(error, json.JSONDecodeError):
         return error.msg
     if isinstance(error, UnicodeDecodeError):
-        return "no text in UTF-8"
+        return "not text in UTF-8"
     return "nested too deeply" if isinstance(error, RecursionError) else "a number is too long"
 
 
@@ -100,7 +100,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _only_keys(pairs: list[tuple[str, Any]]) -> None:
-    """Check the keys of an object, of which nothing is kept."""
+    """Check the keys of an object, and keep nothing of it."""
     if len(dict(pairs)) < len(pairs):
         _refuse(pairs)
 
@@ -110,18 +110,18 @@ def _refuse(pairs: list[tuple[str, Any]]) -> NoReturn:
     shown = json.dumps(keys.most_common(1)[0][0])
     if len(shown) > LONGEST_KEY:
         shown = shown[: LONGEST_KEY - 1] + "…"
-    raise _RepeatedKeyError(f"field {shown} stands twice in one object; keep one")
+    raise _RepeatedKeyError(f"field {shown} occurs twice in one object; keep one")
 
 
 def refused(title: str, said: str, kind: LiteralString = REPEATED) -> ValidationError:
-    """The error of validation of a whole file, in a sentence."""
+    """The validation error of a whole file, as one sentence."""
     told = PydanticCustomError(kind, "{said}", {"said": said})
     details = InitErrorDetails(type=told, loc=(), input=None)
     return ValidationError.from_exception_data(title, [details], input_type="json")
 
 
 def _nothing(number: str) -> None:
-    """The value of a number, which is of no account for keys."""
+    """Placeholder for a number where only keys are checked."""
 
 
 def _check_keys(text: str | bytes, title: str) -> None:

@@ -1,4 +1,4 @@
-"""One process for each file or folder at a time: a lock that a kill releases."""
+"""A lock that one process holds on a file or folder, released even if that process is killed."""
 
 from __future__ import annotations
 

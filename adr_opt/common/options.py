@@ -1,4 +1,4 @@
-"""Options of a method: a frozen dataclass that also yields errors, command line and pages.
+"""Options of a method: a frozen dataclass that errors, command line and pages are made from.
 
 For example ::
 
@@ -146,7 +146,7 @@ def rule_of(each: Field[Any]) -> OptionRule:
 
 
 def listed(kind: type[Options]) -> list[dict[str, Any]]:
-    """The options of a method as plain JSON, with infinities as the text that is parsed."""
+    """The options of a method as plain JSON, with infinities written as the text "inf"."""
     found = []
     for each in fields(kind):
         default, rule = default_of(each), rule_of(each)

@@ -1,4 +1,4 @@
-"""Installed packages: their entry points, what adr-opt requires, and what hides ours."""
+"""Installed packages: entry points, requirements of adr-opt, and packages that hide ``solvers``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 from .errors import InputError
 
 HIDEABLE = "solvers"
-"""Package that comes with adr-opt under a name that others use as well."""
+"""Package of adr-opt whose name other packages use as well, and so may hide it."""
 
 INSTALLED = Path(__file__).parents[2]
 """Folder that holds both packages of adr-opt."""
@@ -86,7 +86,7 @@ class Requirement:
         return f"{self.package}{self.bounds}"
 
     def allows(self, found: str) -> bool:
-        """Whether a version will do."""
+        """Whether a version meets the requirement."""
         for bound in filter(None, self.bounds.split(",")):
             sign, limit = bound[:2], _numbers(bound[2:])
             if sign == "!=" and _numbers(found) == limit:
@@ -103,7 +103,7 @@ def _numbers(text: str) -> tuple[int, ...]:
 
 
 def requirements(state: Callable[[str], list[str] | None] = requires) -> tuple[Requirement, ...]:
-    """All that adr-opt needs; nothing where it has not been installed."""
+    """All requirements of adr-opt; none if it is not installed as a package."""
     try:
         stated = state(OURS) or []
     except PackageNotFoundError:

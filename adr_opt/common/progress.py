@@ -51,7 +51,7 @@ def tell_plan(progress: Progress, objective: float, *routes: Iterable[int]) -> N
 
 
 class Relayed:
-    """A progress callback that tells another one in other terms, and shows it plans as they are.
+    """A progress callback that converts incumbents and bounds for another, and passes plans on.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ MACHINERY = frozenset(dir(BaseModel)) - frozenset(dir(object))
 
 
 class _Listed(ModelMetaclass):
-    """Classes of records, which list their own names at a prompt and leave out the machinery."""
+    """Metaclass of records: completion at a prompt lists their own names, without pydantic's."""
 
     def __dir__(cls) -> list[str]:
         return sorted(set(super().__dir__()) - MACHINERY)

@@ -35,7 +35,7 @@ PLAINER = (
         r"^String should match pattern .*parquet.*",
         "must be the name of a file beside this one, without folders, as costs.parquet or costs.nc",
     ),
-    (r"^String should match pattern .*x00.*", "must not contain a NUL"),
+    (r"^String should match pattern .*x00.*", "must not contain a NUL character"),
     (r"^String should match pattern ", "must match "),
 )
 """Messages of pydantic, reworded for users of the files."""

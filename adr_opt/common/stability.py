@@ -49,7 +49,7 @@ PROVISIONAL_FORMATS = _names("""
 
 
 def stability(name: str) -> Stability | None:
-    """Stability of a public name of ``adr_opt``, a module or a file format; None if of none."""
+    """Stability of a public name, module or file format; None if nothing is promised."""
     if name in STABLE or name in STABLE_FORMATS:
         return "stable"
     return "provisional" if name in PROVISIONAL or name in PROVISIONAL_FORMATS else None

@@ -11,7 +11,7 @@ from .tolerance import meets
 
 
 class TimeIsOver(Exception):
-    """An evaluation was interrupted, as it was told to stop."""
+    """An evaluation was interrupted by its stopping criterion."""
 
 
 class Stop(Protocol):
@@ -79,7 +79,7 @@ class Interrupted(Stop):
         return self.is_set
 
     def remaining_s(self) -> float:
-        """No time once it was interrupted, +inf before [s]."""
+        """Remaining time: 0 once interrupted, +inf before [s]."""
         return 0.0 if self.is_set else math.inf
 
 

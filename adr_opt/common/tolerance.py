@@ -136,8 +136,8 @@ def check_prizes(prizes: Iterable[float], required: int) -> None:
         )
     if min(worth) < TOO_SMALL * total:
         raise ValueError(
-            f"field targets: a prize of {min(worth):g} is lost in the sum of all, {total:g}; give "
-            f"prizes of at least {TOO_SMALL:g} of it, or with a common step"
+            f"field targets: a prize of {min(worth):g} is lost to rounding in the sum of all, "
+            f"{total:g}; give prizes of at least {TOO_SMALL:g} of it, or with a common step"
         )
 
 

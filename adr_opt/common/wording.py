@@ -1,4 +1,4 @@
-"""Wording of messages: counts with their nouns, names as they may be printed, and statuses."""
+"""Wording of messages: counts with nouns, names made safe to print, and statuses."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ UNSAID = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
 """Characters in names that move the cursor, clear the screen or reverse text direction."""
 
 QUOTED = re.compile(rf"(?<!\w)(['\"])(?:(?!\1).){{{LONGEST_NAME + 1},}}\1(?!\w)")
-"""What stands in quotes in a message and is too long, as a name from a file."""
+"""Quoted text of a message that is too long, such as a name from a file."""
 
 
 def harmless(text: str) -> str:
@@ -47,7 +47,7 @@ def status_words(status: str) -> str:
 
 
 def proof_words(status: str, cost_status: str | None) -> str:
-    """What is proven of a plan in words: of its prize, and of its cost at that prize."""
+    """What is proven of a plan, in words: its prize, and its cost at that prize."""
     if status != "optimal":
         return status
     what = "prize and cost" if cost_status == "optimal" else "prize"

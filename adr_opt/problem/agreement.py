@@ -39,11 +39,11 @@ def check_names(
 
 
 MOST_STEPS_THAT_FALL = 2**26
-"""Largest sum of all prizes, in steps, where prizes fall: one number holds losses and costs."""
+"""Largest sum of falling prizes [steps]: one number holds both lost prize and cost."""
 
 
 def check_falling_prizes(targets: Sequence[Target]) -> None:
-    """Prizes that fall need a common step with all others, and not too many of them."""
+    """Prizes that fall need a common step with all others, and a sum of few enough steps."""
     if all(target.prize_until is None for target in targets):
         return
     step = common_step(prize for target in targets for prize in target.prizes)
@@ -59,12 +59,12 @@ def check_falling_prizes(targets: Sequence[Target]) -> None:
 def check_windows(
     targets: Sequence[Target], mission: MissionSettings, *, in_file: bool, drifts: bool
 ) -> None:
-    """Windows stand in one place, and captures are no longer than services."""
+    """Windows are given in one place only, and a capture is no longer than its service."""
     for number, target in enumerate(targets):
         if in_file and target.windows != ((0.0, None),):
             raise ValueError(
-                f"field targets[{number}]: has windows of its own beside those of the field "
-                "windows; leave one of the two out"
+                f"field targets[{number}]: has windows of its own, but the field windows gives "
+                "them too; leave one of the two out"
             )
         if target.capture_s is None:
             continue
@@ -126,7 +126,7 @@ def check_stations(stations: Sequence[Station], chasers: Sequence[Chaser]) -> No
 
 
 def check_separation(chasers: Sequence[Chaser], mission: MissionSettings) -> None:
-    """Missions that are kept apart begin with a launch at a time of the plan's choice."""
+    """Missions that are kept apart each begin with a launch at a time that the plan chooses."""
     there = [number for number, chaser in enumerate(chasers) if not chaser.is_launched]
     if mission.mission_separation_s is not None and there:
         raise ValueError(
@@ -142,16 +142,16 @@ def check_launches(
     """Launches into orbits need drifting nodes, the model's connections and times of their own."""
     for number, chaser in enumerate(chasers):
         for wrong, why in (
-            (not drifts, 'into planes that drift; write dynamics "j2"'),
-            (is_given, "to legs of the model, but connections are given; leave one of them out"),
+            (not drifts, 'needs planes that drift; write dynamics "j2"'),
+            (is_given, "needs the model's legs, but connections are given; leave one of them out"),
             (
                 mission.launch_separation_s is not None,
-                "when the plan says, and not in the order of mission.launch_separation_s; leave "
-                "that out, and give available_s",
+                "the plan chooses its time, mission.launch_separation_s its order; leave that "
+                "field out, and give available_s",
             ),
         ):
             if chaser.launch is not None and wrong:
-                raise ValueError(f"field chasers[{number}].start.launch: it leads {why}")
+                raise ValueError(f"field chasers[{number}].start.launch: {why}")
 
 
 def check_thrust(
@@ -177,18 +177,18 @@ def check_thrust(
 
 
 def check_burns(transfer: TransferSettings, *, zones: bool) -> None:
-    """Refuse free burns of more revolutions than there is a price for, or beside zones."""
+    """Refuse free burns of more phasing revolutions than can be priced, or with keep-out zones."""
     if transfer.burns != "free":
         return
     if transfer.max_phasing_revolutions > MOST_REVOLUTIONS:
         raise ValueError(
             f"field transfer.max_phasing_revolutions = {transfer.max_phasing_revolutions!r}: free "
-            f'burns have a price up to {MOST_REVOLUTIONS}; write that, or burns "sequence"'
+            f'burns can be priced up to {MOST_REVOLUTIONS}; write at most that, or burns "sequence"'
         )
     if zones:
         raise ValueError(
-            "field keep_out_zones: where free burns lead is not known; leave zones out, or write "
-            'transfer.burns "sequence"'
+            "field keep_out_zones: the paths of free burns are not checked against zones; leave "
+            'zones out, or write transfer.burns "sequence"'
         )
 
 
@@ -228,11 +228,11 @@ def check_orbits(
 
 
 MOST_KEEP_OUT = 0.75
-"""Largest radius that is kept out of, as a share of how near the stand-off itself comes: J2 brings
-a chaser nearer that has begun its oscillations and goes on waiting there."""
+"""Largest keep-out radius, as a share of the smallest distance at the stand-off: under J2, a chaser
+that waits there after a missed burn comes nearer to the target."""
 
 ROUNDEST = 0.02
-"""Largest eccentricity of bodies that safety ellipses are flown about."""
+"""Largest eccentricity of a body at which safety ellipses are flown."""
 
 
 def check_approach(transfer: TransferSettings, bodies: Sequence[Station | Target]) -> None:
@@ -246,7 +246,7 @@ def check_approach(transfer: TransferSettings, bodies: Sequence[Station | Target
         )
     if transfer.max_drift_s > 0.0:
         raise ValueError(
-            f'field transfer.approach = "{transfer.approach}": transfers that drift do not charge '
+            f'field transfer.approach = "{transfer.approach}": costs of drift legs do not include '
             "it yet; leave transfer.max_drift_s out"
         )
     approach_of(transfer)
@@ -255,8 +255,8 @@ def check_approach(transfer: TransferSettings, bodies: Sequence[Station | Target
         e = body.orbit.eccentricity
         if e > ROUNDEST:
             raise ValueError(
-                f'field transfer.approach = "{transfer.approach}": not about {body.name!r}, of '
-                f"eccentricity {e:.3g}, but up to {ROUNDEST}; leave it out"
+                f'field transfer.approach = "{transfer.approach}": {body.name!r} has '
+                f"eccentricity {e:.3g}, more than {ROUNDEST}; leave it out"
             )
         most = MOST_KEEP_OUT * transfer.standoff_m * (1.0 - e) / (1.0 + e)
         if transfer.keep_out_m > most:
@@ -274,7 +274,7 @@ def check_removals(
     *,
     zones: bool,
 ) -> None:
-    """Towed objects need a mass and an orbit above that of disposal; chasers need masses, too.
+    """Towed objects need a mass and an orbit above the disposal orbit; chasers need masses, too.
 
     ``check_orbits`` has seen to orbits where connections are the model's.
     """

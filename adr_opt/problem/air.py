@@ -72,7 +72,7 @@ DRAG_COEFFICIENT = 2.2
 YEAR_S = 365.25 * 86400.0
 
 LOWEST_M, HIGHEST_M = 150e3, 2000e3
-"""Altitudes between which lifetimes of fragments are tabulated; higher fragments count as there."""
+"""Altitudes between which lifetimes are tabulated; higher fragments count as at the upper one."""
 
 
 def lifetimes(shells: FLOAT, area_to_mass: FLOAT, activity: str, most_years: float) -> FLOAT:

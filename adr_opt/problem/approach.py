@@ -42,17 +42,17 @@ class Approach(NamedTuple):
 
     @property
     def revolutions(self) -> float:
-        """Its duration in revolutions of the target."""
+        """Duration of the approach in revolutions of the target."""
         return float(self.burns[-1, 0])
 
     @property
     def length_m(self) -> float:
-        """Its ΔV over the mean motion of the target."""
+        """ΔV of the approach, divided by the mean motion of the target."""
         return math.fsum(np.sqrt(np.sum(self.burns[:, 1:4] ** 2, axis=1)))
 
 
 def in_step(revolutions: float, radius_m: float) -> float:
-    """Least distance from the track over ρ, after J2 has turned the oscillations apart (2.7d)."""
+    """Least distance from the track over ρ, after J2 has detuned the two oscillations (2.7d)."""
     turned = 6.0 * math.pi * OBLATENESS_M2 / radius_m**2 * revolutions
     return math.sqrt(1.0 - math.sin(min(turned, 0.5 * math.pi)))
 
@@ -99,7 +99,7 @@ def approach_of(settings: SequenceSettings) -> Approach:
 
 
 def _with_places(burns: npt.NDArray[np.float64], length: float) -> npt.NDArray[np.float64]:
-    """The burns with how far behind the target each is, from rest at the stand-off."""
+    """The burns, each with its distance behind the target, starting at rest at the stand-off."""
     state, now, behind = np.array([0.0, -length, 0.0, 0.0]), 0.0, []
     for time, outward, ahead, _ in burns:
         state, now = relative(state, 2.0 * math.pi * (time - now)), time

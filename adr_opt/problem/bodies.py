@@ -118,10 +118,10 @@ def prize_at(prize: float, levels: Sequence[PrizeUntil], end_s: float) -> float:
 
 
 LARGEST_AREA_TO_MASS = 1e3
-"""Of an object [m²/kg]."""
+"""Largest ratio of area to mass of an object [m²/kg]."""
 
 ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)]
-"""Object identifier as in messages: printable ASCII, mostly like ``1997-051C``."""
+"""Object identifier as in CCSDS messages: printable ASCII, mostly like ``1997-051C``."""
 
 Removal = Literal["visit", "kit", "tow"]
 
@@ -143,7 +143,7 @@ class Station(Record):
 
     @property
     def is_limited(self) -> bool:
-        """Whether its supply is limited."""
+        """Whether the station's supply of propellant or refuellings is limited."""
         return self.max_refuellings is not None or self.max_propellant_kg is not None
 
     @model_serializer(mode="wrap")
@@ -189,7 +189,7 @@ class Target(Record):
 
     @property
     def windows(self) -> tuple[Window, ...]:
-        """All windows of its own, ascending and apart [s]."""
+        """All windows stated at the target, ascending and disjoint [s]."""
         return (self.window_s,) if self.windows_s is None else self.windows_s
 
     def prize_at(self, end_s: float) -> float:
@@ -198,7 +198,7 @@ class Target(Record):
 
     @property
     def prizes(self) -> tuple[float, ...]:
-        """All prizes that it may be worth, falling."""
+        """All prizes that the target may be worth, the greatest first."""
         return (*(level for _, level in self.prize_until or ()), self.prize)
 
     @property
@@ -223,7 +223,7 @@ class Target(Record):
     def _has_what_decays(self) -> Self:
         for field in ("decay_m_per_day", "fit"):
             if self.orbit is None and getattr(self, field) is not None:
-                raise ValueError(f"field {field}: there is no orbit to which it belongs")
+                raise ValueError(f"field {field}: there is no orbit; give one, or leave it out")
         return self
 
     @model_validator(mode="after")

@@ -60,7 +60,7 @@ class FileWindows:
         return hashlib.sha256(self.content).hexdigest()
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the file, where it is not there yet."""
+        """Write the file if it does not exist yet."""
         if not (Path(path).is_file() and Path(path).read_bytes() == self.content):
             write_bytes(path, self.content)
 
@@ -91,7 +91,7 @@ def read_windows(path: str | os.PathLike[str]) -> FileWindows:
 
 
 def _csv(path: str | os.PathLike[str], content: bytes) -> Iterator[tuple[str, str, float, float]]:
-    """Rows of a CSV file, with where they stand."""
+    """Rows of a CSV file, each with its place for messages."""
     try:
         rows = csv.reader(content.decode().splitlines())
     except UnicodeDecodeError:
@@ -109,7 +109,7 @@ def _csv(path: str | os.PathLike[str], content: bytes) -> Iterator[tuple[str, st
 def _parquet(
     path: str | os.PathLike[str], content: bytes
 ) -> Iterator[tuple[str, str, float, float]]:
-    """Rows of a Parquet file, with where they stand."""
+    """Rows of a Parquet file, each with its place for messages."""
     try:
         pq = import_module("pyarrow.parquet")
     except ImportError:
@@ -130,7 +130,7 @@ def _parquet(
 
 
 def file_of(windows: Mapping[str, Array]) -> FileWindows:
-    """Windows as a CSV file, to a millisecond inwards."""
+    """Windows as a CSV file, rounded inwards to a millisecond."""
     text, kept = io.StringIO(), {}
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(COLUMNS)
@@ -144,7 +144,7 @@ def file_of(windows: Mapping[str, Array]) -> FileWindows:
 
 
 def joined(lists: Iterable[Array]) -> Array:
-    """Times in any of some lists; those that touch are one."""
+    """Union of several lists of intervals; those that touch are merged."""
     every = np.concatenate([np.empty((0, 2)), *lists])
     every = every[np.argsort(every[:, 0], kind="stable")]
     reach = np.maximum.accumulate(every[:, 1])

@@ -38,7 +38,7 @@ from .orbit import Decay, Orbit
 TANK_BY_MASS = {"dry_mass_kg", "propellant_kg", "isp_s"}
 
 TOO_HEAVY_M_S = 1.0
-"""What is missing beyond a full tank where a launcher does not lift a chaser with its kits."""
+"""ΔV charged beyond a full tank if the launcher cannot lift the chaser with its kits [m/s]."""
 
 TWO_KINDS = (
     "a tank is Tank(delta_v_m_s=…), counted in ΔV, or TankByMass(dry_mass_kg=…, propellant_kg=…, "
@@ -106,7 +106,7 @@ class InsertionOrbit(Record):
 
     @property
     def most_kg(self) -> float:
-        """The most that a chaser may weigh at launch; infinite without a launcher [kg]."""
+        """Largest mass of a chaser at launch; infinite without a launcher [kg]."""
         if self.launcher is None:
             return math.inf
         altitudes, masses = np.transpose(self.launcher)
@@ -197,7 +197,7 @@ class Tank(_OfTwoKinds):
         return _without(write(self), "initial_delta_v_m_s")
 
     def keeping(self, reserve_m_s: float) -> Tank:
-        """The tank without what is kept back [m/s]."""
+        """The tank less a reserve [m/s]."""
         initial = self.initial_delta_v_m_s
         return Tank(
             delta_v_m_s=self.delta_v_m_s - reserve_m_s,
@@ -266,7 +266,7 @@ class TankByMass(_OfTwoKinds):
         )
 
     def first_kg(self, cargo_kg: float, most_kg: float) -> float:
-        """Propellant at the start of a chaser of some mass at most; less than 0 if too heavy."""
+        """Propellant at the start within a mass limit; negative if too heavy without any [kg]."""
         initial = self.initial_propellant_kg
         first_kg = self.propellant_kg if initial is None else initial
         return min(first_kg, most_kg - self.dry_mass_kg - cargo_kg)
@@ -338,7 +338,7 @@ class Expense(Record):
         return self.per_kg > 0.0 or self.per_kg_squared > 0.0
 
     def of(self, carried_kg: float) -> float:
-        """The cost of a chaser that is used and carries a mass."""
+        """Expense of a chaser that is used and carries some mass at the start."""
         return self.fixed + (self.per_kg + self.per_kg_squared * carried_kg) * carried_kg
 
 
@@ -401,8 +401,8 @@ class Chaser(Record):
         if self.thrust_n is None:
             if self.duty_cycle is not None:
                 raise ValueError(
-                    f"duty_cycle = {self.duty_cycle!r}: of no thrust; give thrust_n, too, or leave "
-                    "it out"
+                    f"duty_cycle = {self.duty_cycle!r}: the chaser has no thrust; give thrust_n, "
+                    "too, or leave it out"
                 )
         elif not isinstance(self.tank, TankByMass):
             raise ValueError(
@@ -460,8 +460,8 @@ class Chaser(Record):
     def _begins_with_it(self) -> Self:
         if self.spent_m_s > 0.0 and isinstance(self.start, AtStation):
             raise ValueError(
-                "field tank: its content at the start is given, but a station fills it; start in "
-                "an orbit, or leave it out"
+                "field tank: its content at the start is given, but the station where it starts "
+                "fills it; start in an orbit, or leave it out"
             )
         return self
 
@@ -472,23 +472,23 @@ class Chaser(Record):
 
     @property
     def usable(self) -> Tank | TankByMass:
-        """Its tank without what is kept for its own disposal: what a mission may take."""
+        """The tank less the reserve for the chaser's own disposal: what the mission may use."""
         kept_m_s = self.end_of_life_m_s
         return self.tank if kept_m_s is None else self.tank.keeping(kept_m_s)
 
     @property
     def launch(self) -> InsertionOrbit | None:
-        """The launch into an orbit that it starts with; None for any other start."""
+        """The launch into an orbit with which the chaser starts; None for any other start."""
         return self.start.launch if isinstance(self.start, LaunchedInto) else None
 
     @property
     def awaits_launch(self) -> bool:
-        """Whether it is nowhere before its first leg."""
+        """Whether the chaser starts with a launch, and so is not in orbit before its first leg."""
         return self.is_launched or self.launch is not None
 
     @property
     def most_kg(self) -> float:
-        """The most that it may weigh at the start; infinite where no launcher limits it [kg]."""
+        """Largest mass at the start; infinite if no launcher limits it [kg]."""
         return math.inf if self.launch is None else self.launch.most_kg
 
     def spent_with_m_s(self, cargo_kg: float) -> float:

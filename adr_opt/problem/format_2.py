@@ -1,4 +1,4 @@
-"""Files of ``adr-opt-instance/2`` in the words of ``/3``, and back.
+"""Conversion of instance files between ``adr-opt-instance/2`` and ``/3``.
 
 In memory there is the newest format alone. A file is written in the oldest one that can say it, so
 that what sets no newer field keeps its bytes, and with them its digest.
@@ -59,7 +59,7 @@ LAPS, ALTITUDE = "safety_ellipse_revolutions", "disposal_altitude_m"
 
 
 def _newer(content: Any, place: str = "") -> Iterator[str]:
-    """Fields of a content that ``/2`` does not have, as paths."""
+    """Fields of an instance that ``/2`` does not have, as paths."""
     for each in content if isinstance(content, list) else [content]:
         if isinstance(each, dict):
             for name, value in each.items():
@@ -107,7 +107,7 @@ def read(kind: type[Model], text: str) -> Model:
 
 
 def written(content: dict[str, Any]) -> dict[str, Any]:
-    """The content of a file of an instance, in the oldest format that can say it."""
+    """The content of an instance's file, in the oldest format that can express it."""
     mission, transfer = dict(content["mission"]), content["transfer"] | {LAPS: 0.5}
     if "circle_m" in mission.get("disposal", ()):
         mission[ALTITUDE] = mission.pop("disposal")["circle_m"]

@@ -32,7 +32,7 @@ COLUMNS = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
 """Columns of a row."""
 
 REMOVED = "exception"
-"""Column of a rule that is gone; what was limited by it must not be planned on without it."""
+"""Column of a removed rule: without it, connections that it limited must not be planned."""
 
 Costs = Callable[[int, npt.NDArray[np.int64], float], tuple[npt.ArrayLike, npt.ArrayLike]]
 """Durations [s] and costs from an origin to some destinations at a departure [s]."""
@@ -268,7 +268,7 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
 
 
 def _half(where: str, missing: str, stated: str) -> str:
-    """A sentence on a connection of which half is missing."""
+    """A sentence on a connection that has a duration or a cost but not both."""
     return (
         f"{where}: {missing} is missing and {stated} is not; give both, or neither where there is "
         "no connection"
@@ -276,7 +276,7 @@ def _half(where: str, missing: str, stated: str) -> str:
 
 
 def refuse_exceptions(columns: Sequence[str]) -> None:
-    """Refuse rows with a column of exceptions, whose number was limited once.
+    """Refuse rows with the removed column of exceptions.
 
     Raises
     ------
@@ -468,7 +468,7 @@ def _floats(values: Any, name: str, *, of_time: bool = False) -> FloatArray:
     except InputError:
         raise
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} must be numbers, shape by shape as documented") from None
+        raise InputError(f"{name} must be an array of numbers, of the documented shape") from None
 
 
 def _numbers(values: npt.NDArray[Any], column: str, names: Sequence[str]) -> IntArray:

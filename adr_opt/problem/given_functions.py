@@ -206,8 +206,8 @@ def _checked(where: str, breakpoints: npt.ArrayLike, cost: float) -> Function:
     if over.size:
         at = int(over[0])
         raise InputError(
-            f"{where}: who leaves at {departure[at + 1]:g} arrives at {arrival[at + 1]:g} and "
-            f"overtakes who arrives at {arrival[at]:g}; arrivals must not fall"
+            f"{where}: departing at {departure[at + 1]:g} arrives at {arrival[at + 1]:g}, before "
+            f"the earlier departure does at {arrival[at]:g}; arrivals must not fall"
         )
     if np.any(departure[2:] == departure[:-2]):
         at = int(np.flatnonzero(departure[2:] == departure[:-2])[0])

@@ -13,10 +13,10 @@ EQUATOR_M, FLATTENING = 6_378_137.0, 1.0 / 298.257223563
 """The ellipsoid of WGS 84."""
 
 SQUARED = FLATTENING * (2.0 - FLATTENING)
-"""Square of its eccentricity."""
+"""Square of the ellipsoid's eccentricity."""
 
 ROUNDS = 3
-"""Of :func:`above`, which gains three digits in each."""
+"""Iterations of :func:`above`; each gains three digits."""
 
 
 def upward(latitude_deg: npt.ArrayLike, longitude_deg: npt.ArrayLike) -> Array:
@@ -28,7 +28,7 @@ def upward(latitude_deg: npt.ArrayLike, longitude_deg: npt.ArrayLike) -> Array:
 
 
 def place(latitude_deg: float, longitude_deg: float, altitude_m: float) -> Array:
-    """Position in the same axes [m]."""
+    """Position in axes that turn with the Earth, shape (3,) [m]."""
     up = upward(latitude_deg, longitude_deg)
     across = EQUATOR_M / math.sqrt(1.0 - SQUARED * up[2] ** 2)
     stretched = np.array([across, across, across * (1.0 - SQUARED)])

@@ -74,8 +74,9 @@ class Instance(Shown, InstanceFile):
             gone = sorted(set(made._given.bodies) - set(made.names))
             if gone:
                 raise InputError(
-                    f"given connections: {gone[0]!r} is one of their bodies, and would go; keep "
-                    "it, or first give only those of the others (adr_opt.problem.given.among)"
+                    f"given connections: {gone[0]!r} is one of their bodies and would be removed; "
+                    "keep it, or first give only the connections of the others "
+                    "(adr_opt.problem.given.among)"
                 )
         return made
 
@@ -92,7 +93,7 @@ class Instance(Shown, InstanceFile):
         return made
 
     def _with_windows_of_targets(self) -> Self:
-        """The same instance without windows of targets that it does not have, in a file of its own.
+        """The same instance with a file of windows of its own targets only.
 
         A file that names others could not be read again beside it.
         """
@@ -113,7 +114,7 @@ class Instance(Shown, InstanceFile):
         return made
 
     def without_reserves(self) -> Self:
-        """The same mission with what chasers may burn as their tanks; it keeps its SHA-256.
+        """The same mission with reserves taken out of the tanks; it keeps its SHA-256.
 
         What they keep for their own disposal then counts as dry mass, as it does for planners.
         """
@@ -231,7 +232,7 @@ class Instance(Shown, InstanceFile):
         return made._with_windows_of_targets()
 
     def _reading(self, windows: FileWindows) -> Self:
-        """Take the windows that the field names."""
+        """Attach the file of windows that the instance names."""
         assert self.windows is not None
         strange = sorted(windows.intervals.keys() - {target.name for target in self.targets})
         if strange:
@@ -282,7 +283,7 @@ class Instance(Shown, InstanceFile):
         return target.replace(window_s=(0.0, None), windows_s=intervals)
 
     def without_closings(self) -> Self:
-        """The same instance with targets of which each may be captured once its window opens."""
+        """The same instance with windows that open but never close."""
         opened = []
         for target in self.targets:
             opens_s = self.intervals_of(target)[:1, 0].tolist()  # of none in a file: at any time
@@ -294,13 +295,13 @@ class Instance(Shown, InstanceFile):
 
     @property
     def is_all_in_file(self) -> bool:
-        """Whether its file alone gives it again: no others beside it, no own time value."""
+        """Whether the instance file alone restores it: no files beside it, no own time value."""
         given, _, windows = self.files_beside
         return (given, windows, self._time_value_m_s_per_h) == (None, None, None)
 
     @property
     def files_beside(self) -> tuple[GivenFile | None, EphemeridesFile | None, WindowFile | None]:
-        """Files beside its own that it names, of connections, ephemerides and windows."""
+        """Files beside the instance's own that it names: connections, ephemerides and windows."""
         return self.transfer.given, self.ephemerides, self.windows
 
     @property
@@ -451,11 +452,11 @@ class Instance(Shown, InstanceFile):
 
     @property
     def decays_m_per_day(self) -> tuple[float, ...]:
-        """By what the semi-major axes of the bodies shrink, in order of their numbers."""
+        """Daily decrease of the bodies' semi-major axes, in order of their numbers [m/day]."""
         return self.numbering.decays_m_per_day
 
     def decay_of(self, body: str) -> float:
-        """By what the semi-major axis of a body shrinks [m/day]."""
+        """Daily decrease of a body's semi-major axis [m/day]."""
         return self.decays_m_per_day[self.names.index(body)]
 
     @property

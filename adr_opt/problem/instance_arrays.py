@@ -45,7 +45,7 @@ def orbit_rows(
 
 
 class KeptRows:
-    """Rows of the orbits of an instance, once worked out; they count in no comparison."""
+    """Cached orbit rows of an instance; comparisons of instances ignore them."""
 
     def __init__(self) -> None:
         self._of: tuple[Sequence[Orbit | None], float, Sequence[float]] | None = None
@@ -57,7 +57,7 @@ class KeptRows:
         oblateness_m2: float,
         decays_m_per_day: Sequence[float],
     ) -> npt.NDArray[np.float64]:
-        """A copy of what :func:`orbit_rows` gives, worked out anew for other orbits."""
+        """A copy of :func:`orbit_rows`, computed again if the orbits have changed."""
         inputs = orbits, oblateness_m2, decays_m_per_day
         if self._of != inputs:  # equal orbits are mostly the same objects, which is quick
             self._of, self._rows = inputs, orbit_rows(*inputs)

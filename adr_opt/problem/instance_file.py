@@ -239,7 +239,7 @@ class InstanceFile(Record):
         return tuple(station.name for station in self.stations)
 
     def to_json(self) -> str:
-        """The instance file in the oldest format that can say it, the same bytes everywhere."""
+        """The instance file in the oldest format that can express it, the same bytes everywhere."""
         return to_text(format_2.written(self.model_dump(mode="json")))
 
     @property

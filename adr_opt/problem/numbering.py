@@ -22,7 +22,7 @@ LEO = Orbit(
     argument_of_perigee_deg=0.0,
     true_anomaly_deg=0.0,
 )
-"""Arbitrary low orbit."""
+"""Arbitrary low orbit, for start bodies whose orbit depends on the plan."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Numbering:
 
     @property
     def bodies(self) -> tuple[tuple[Station, ...], tuple[Chaser, ...], tuple[Target, ...]]:
-        """What is numbered."""
+        """Stations, chasers and targets, as one key for caching."""
         return self.stations, self.chasers, self.targets
 
     @cached_property
@@ -78,7 +78,7 @@ class Numbering:
 
     @cached_property
     def decays_m_per_day(self) -> tuple[float, ...]:
-        """By what the semi-major axes of the bodies shrink."""
+        """Daily decrease of the bodies' semi-major axes [m/day]."""
         starts = [chaser.start for chaser in self.chasers if chaser.name in self.start_bodies]
         return (
             *(0.0 for _ in self.stations),

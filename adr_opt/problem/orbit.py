@@ -19,7 +19,7 @@ Decay = Annotated[float, Field(ge=-LARGEST_DECAY_M_PER_DAY, le=LARGEST_DECAY_M_P
 """Daily decrease of a semi-major axis [m]; negative for an increase."""
 
 Offset = Annotated[tuple[float, float], Field(strict=False)]
-"""Vector towards the ascending node and a quarter of a revolution later."""
+"""Components towards the ascending node and towards a quarter of a revolution after it."""
 
 
 class Fit(Record):

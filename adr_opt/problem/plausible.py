@@ -1,4 +1,4 @@
-"""Values that a file may have, but that look like a slip of units."""
+"""Allowed values that look like a mistake of units."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .disposal import DisposalCircle
 from .instance import Instance
 
 HEAVY_KG = 10_000.0
-"""Mass from which a thrust of several newtons is no surprise."""
+"""Mass above which a thrust of several newtons is plausible."""
 
 Values = Iterable[tuple[str, float]]
 """Fields of an instance, each with its value."""
@@ -110,17 +110,17 @@ USUAL = (
     Usual(_tanks, 50.0, math.inf, "less than most legs take; is it in km/s? The field is in m/s"),
     Usual(_thrusts, 0.0, 5.0, "no electric engine has it; is it in mN? The field is in N"),
     Usual(_chemical, 0.0, 1000.0, "no chemical engine has it; is it an exhaust speed in m/s?"),
-    Usual(_altitudes, 50e3, math.inf, "within the air; is it in km? The field is in m"),
+    Usual(_altitudes, 50e3, math.inf, "within the atmosphere; is it in km? The field is in m"),
     Usual(
         _heights,
         EARTH_RADIUS_M + 100e3,
         EARTH_RADIUS_M + 50e6,
-        "an altitude within the air or beyond the high orbits; is it in another unit?",
+        "an altitude within the atmosphere or beyond all high orbits; is it in another unit?",
     ),
     Usual(_durations, HOUR_S, math.inf, "less than a revolution; is it in days? The field is in s"),
-    Usual(_windows, HOUR_S, math.inf, "over at once; is it in days? The field is in s"),
+    Usual(_windows, HOUR_S, math.inf, "over almost at once; is it in days? The field is in s"),
 )
-"""Limits are generous: what lies outside has been meant now and then, and is a note, no error."""
+"""Limits are generous: values outside are sometimes meant, so they cause a note, not an error."""
 
 
 def doubts(instance: Instance) -> tuple[Doubt, ...]:

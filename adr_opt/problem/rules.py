@@ -1,4 +1,4 @@
-"""The table of facts and rules: every field of an instance, and when a rule of it binds.
+"""The table of facts and rules: every field of an instance, and when each rule binds.
 
 A *fact* (a name, an orbit, the epoch) limits nothing. Every other field belongs to one rule or
 more. Who follows which rule is said by each follower itself (:mod:`.support`), never here.
@@ -96,7 +96,7 @@ CHANCES = frozenset(
         *_at("targets[].service_s.added", "chance mean_s most_s"),
     )
 )
-"""Fields of an uncertainty, which all that read one follow."""
+"""Fields of an uncertainty file, which everything that reads one follows."""
 
 
 def _always(_: Instance) -> bool:
@@ -390,14 +390,14 @@ FIRST = frozenset(
         "cost",
     }
 )
-"""What every method of 1.0 followed: so does a planner that declares nothing, and no more."""
+"""Rules that every method of 1.0 followed, assumed of a planner that declares none."""
 
 CARGO = frozenset({"kits", "tows", "tanks not full by mass"})
 
 SUPPLIES = frozenset({"limited refuellings", "limited propellant"})
 
 CAMPAIGNS = CARGO | SUPPLIES | {"several chasers", "expense"}
-"""What a plan of one route cannot hold."""
+"""Rules that need more than one route in a plan."""
 
 TOURS = frozenset({"longest leg", "missions apart"})
 """Where to be earlier is not always better (docs/model.md section 5.5): planned in tours alone."""
@@ -409,13 +409,13 @@ TOGETHER = frozenset(
         "prizes that fall beyond lists of connections",
     }
 )
-"""What planners follow each alone; judges follow them together as well."""
+"""Rules that planners follow one at a time only; judges follow them together as well."""
 
 RELEASES = frozenset({"disposal by perigee", "lifetimes", "controlled re-entry"})
-"""What is asked of objects that are released."""
+"""Requirements on released objects."""
 
 MODELLED = frozenset({"free burns", "safety ellipse", "launches into orbits"})
-"""Rules of the model's own connections: whoever takes these as they are follows them."""
+"""Rules built into the model's own connections: all methods that use these follow them."""
 
 JUDGED = (
     FIRST
@@ -448,7 +448,7 @@ service any number of targets, know no kits and no tows, and may end anywhere.""
 
 @dataclass(frozen=True)
 class Follower:
-    """Whoever reads an instance, and the rules that it follows.
+    """A reader of instances, and the rules that it follows.
 
     Attributes
     ----------

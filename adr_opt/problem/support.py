@@ -1,4 +1,4 @@
-"""Who follows which rules of an instance; what is set and not followed is refused.
+"""Refusal of instances that set rules or fields which their reader does not follow.
 
 Closed by default: a follower names its rules beside its own function (:class:`.rules.Follower`;
 methods in their :class:`~adr_opt.run.method_spec.MethodSpec`). A rule that it does not name, and a
@@ -18,11 +18,11 @@ from .instance import AnyInstance, Instance, instance_of
 from .rules import CHANCES, FACTS, RULES, Follower
 
 KNOWN = FACTS.union(*(rule.fields for rule in RULES.values()))
-"""Fields of which it is known what they mean, as paths."""
+"""Fields of known meaning, as paths."""
 
 
 def binding(instance: Instance, words: Iterable[str]) -> Iterator[tuple[str, str]]:
-    """Those of some rules that bind an instance, with where they do if that can be said."""
+    """Those of some rules that bind an instance, with the place where they do, if known."""
     for word in words:
         binds = RULES[word].binds(instance)
         if binds:
@@ -40,7 +40,7 @@ def unknown_fields(record: Record, known: Collection[str] = KNOWN) -> Iterator[s
 
 
 def follows_all(instance: Instance, follows: Collection[str]) -> bool:
-    """Whether somebody follows all that an instance sets."""
+    """Whether a set of followed rules covers all that an instance sets."""
     words = RULES.keys() - follows
     return not any(binding(instance, words)) and not any(unknown_fields(instance))
 
@@ -53,7 +53,7 @@ def refuse(instance: Instance, follower: Follower, able: Iterable[str] = ()) -> 
     instance : Instance
     follower : Follower
     able : iterable of str
-        Who follows it all; the sentence names them.
+        Readers that follow all of the instance, named in the sentence.
 
     Raises
     ------
@@ -61,8 +61,8 @@ def refuse(instance: Instance, follower: Follower, able: Iterable[str] = ()) -> 
     """
     for path in unknown_fields(instance):
         raise InputError(
-            f"{follower.name} does not follow the field {path}, which {instance.name!r} sets, and "
-            "nobody does; leave it out, or use a version that knows it"
+            f"{follower.name} does not know the field {path}, which {instance.name!r} sets, nor "
+            "does any method; leave it out, or use a version that knows it"
         )
     for word, where in binding(instance, (word for word in RULES if word not in follower.follows)):
         rule, others = RULES[word], list(able)
@@ -75,7 +75,7 @@ def refuse(instance: Instance, follower: Follower, able: Iterable[str] = ()) -> 
 
 
 def refuse_unknown(uncertainty: Record) -> None:
-    """Refuse an uncertainty that sets a field whose meaning nobody knows.
+    """Refuse an uncertainty that sets a field of unknown meaning.
 
     Raises
     ------
@@ -83,8 +83,8 @@ def refuse_unknown(uncertainty: Record) -> None:
     """
     for path in unknown_fields(uncertainty, CHANCES):
         raise InputError(
-            f"uncertainty: nobody follows the field {path}, which is set; leave it out, or use a "
-            "version that knows it"
+            f"uncertainty: the field {path} is set but unknown to every method; leave it out, or "
+            "use a version that knows it"
         )
 
 

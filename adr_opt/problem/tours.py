@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def tour_obstacle(instance: Instance) -> str | None:
-    """Why an instance is no tour through time, as the end of a sentence; None if it is one."""
+    """Why a campaign cannot be planned as one tour, as the end of a sentence; None if it can."""
     if instance.transfer.given is not None or instance.transfer.max_drift_s <= 0.0:
         return "transfer.max_drift_s allows no drift legs"
     if instance.has_low_thrust:

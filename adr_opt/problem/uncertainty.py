@@ -1,4 +1,4 @@
-"""The uncertainty file ``adr-opt-uncertainty/1``: what may go otherwise than planned.
+"""The uncertainty file ``adr-opt-uncertainty/1``: what may differ from the plan.
 
 Distributions by kind of event and by target, all independent. See docs/model.md section 13.
 """
@@ -64,7 +64,7 @@ class LognormalFactor(Record):
         low, high = math.log(self.least) / sigma, math.log(self.most) / sigma
 
         def power(n: int) -> float:
-            """Mean of the n-th power: that of the part within the bounds, and both bounds."""
+            """Mean of the n-th power, draws beyond a bound counted at that bound."""
             shift, cdf = n * sigma, _NORMAL.cdf
             within = math.exp(0.5 * shift * shift) * (cdf(high - shift) - cdf(low - shift))
             return within + self.least**n * cdf(low) + self.most**n * cdf(-high)
@@ -170,7 +170,7 @@ class TankUncertainty(Record):
 
 
 class TargetUncertainty(Record):
-    """What is known of one target in place of the rest of the file; unset fields are the file's."""
+    """Distributions of one target; unset fields take those of the whole file."""
 
     delta_v_factor: LognormalFactor | None = None
     service_s: ServiceUncertainty | None = None
@@ -190,7 +190,7 @@ def _set(content: dict[str, Any]) -> dict[str, Any]:
 
 
 class Uncertainty(Record):
-    """Distributions of what may go otherwise than planned; nothing does by default.
+    """Distributions of what may differ from the plan; by default nothing does.
 
     ``legs`` are factors on ΔV, ``service_s`` times of services, ``capture`` chances of captures,
     ``gone`` the chance that a target turns out to be gone, ``launches`` slips, ``tanks`` shares of

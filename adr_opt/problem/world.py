@@ -1,4 +1,4 @@
-"""Draws of one world: what legs cost, services take, and captures come to in it.
+"""Draws of one world: costs of legs, times of services, and outcomes of captures.
 
 A draw is a function of the seed, the kind of event, the target (or the chaser and the station), and
 a count alone: never of a connection, of a time, or of the order in which it is asked for. So all
@@ -20,7 +20,7 @@ from .uncertainty import LognormalFactor, Uncertainty
 MASK = (1 << 64) - 1
 
 OUTCOMES = ("serviced", "refuelled", "capture", "gone", "late", "dry")
-"""What comes of a leg, by the numbers of :mod:`adr_opt.kernels.episodes.worlds`."""
+"""Outcome of a leg, by the numbers of :mod:`adr_opt.kernels.episodes.worlds`."""
 
 
 @lru_cache(maxsize=100_000)

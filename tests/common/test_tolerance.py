@@ -97,7 +97,7 @@ def test_steps_of_prizes_as_they_are_written() -> None:
     [
         ((1e12, 1e-12, 3e11), 0, "prizes are multiples of 1e-12 and sum to 1.3e\\+12"),
         ((1e12, 0.25), 100, "and 100 required targets count as many each"),
-        ((math.pi * 1e12, 1.0 / 3.0), 0, "a prize of 0.333333 is lost in the sum of all"),
+        ((math.pi * 1e12, 1.0 / 3.0), 0, "a prize of 0.333333 is lost to rounding in the sum"),
     ],
 )
 def test_prizes_that_cannot_be_told_apart_are_refused(prizes, required: int, said: str) -> None:

@@ -25,7 +25,7 @@ def changed(chaser: dict[str, Any], **fields: Any) -> Instance:
     [
         ({"tank": {"delta_v_m_s": 500.0}}, {}, "the tank is given in ΔV, without masses"),
         ({"thrust_n": 0.0}, {}, "thrust_n"),
-        ({"thrust_n": None, "duty_cycle": 0.5}, {}, "of no thrust"),
+        ({"thrust_n": None, "duty_cycle": 0.5}, {}, "the chaser has no thrust"),
         ({"duty_cycle": 0.0}, {}, "duty_cycle"),
         ({"duty_cycle": 1.5}, {}, "duty_cycle"),
         ({}, {"transfer": {"max_drift_s": 0.0}}, "days to months"),

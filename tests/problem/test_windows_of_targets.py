@@ -116,7 +116,7 @@ def test_a_file_of_windows_has_to_be_the_one_named(instance: Instance, tmp_path:
         adr_opt.Timetable(json.loads(made.to_json()))
     with pytest.raises(InputError, match="is not a target"):
         instance.with_windows({"other": np.array([[0.0, 1.0]])})
-    with pytest.raises(InputError, match="beside those"):
+    with pytest.raises(InputError, match="windows of its own"):
         with_first(made, window_s=(0.0, 9e3))
 
 

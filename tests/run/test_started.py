@@ -186,7 +186,7 @@ def test_connections_are_told_as_they_are() -> None:
     [
         ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": 301.0}}, "a full tank holds 300"),
         ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": -1.0}}, "initial_delta_v_m_s"),
-        ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": 5.0}}, "but a station fills it"),
+        ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": 5.0}}, "but the station where"),
     ],
 )
 def test_what_makes_no_sense_is_refused(cli: Cli, changes, named: str) -> None:

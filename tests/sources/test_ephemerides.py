@@ -442,7 +442,7 @@ def test_fits_of_real_motion_are_near() -> None:
     [
         ({"dynamics": "two-body"}, "nothing decays in two-body motion"),
         ({"removal": "tow"}, "tows of decaying objects"),
-        ({"orbit": None}, "there is no orbit to which it belongs"),
+        ({"orbit": None}, "there is no orbit; give one"),
         ({"decay_m_per_day": 1e6}, "decay_m_per_day"),
     ],
 )

@@ -39,7 +39,7 @@ def processor(own: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def serves_this_processor() -> bool:
-    """Whether the processor of this machine is of the level that archives are for."""
+    """Whether this machine's processor reaches the level that archives are made for."""
     if not llvm.get_process_triple().startswith("x86_64"):
         return False
     features = llvm.get_host_cpu_features()
@@ -62,7 +62,7 @@ def versions_of_archive() -> str | None:
 
 @cache
 def is_usable() -> bool:
-    """Whether there is an archive that serves this processor and these versions."""
+    """Whether an archive exists for this processor and these versions."""
     asked: str | None = vars(config)["CPU_NAME"]
     is_for_this = asked in (None, LEVEL) and serves_this_processor()
     return is_for_this and FILE.is_file() and versions_of_archive() == versions()

@@ -40,7 +40,7 @@ MOST_BYTES = 256 * 2**20
 """Size beyond which the folder is halved; a full set of kernels takes about a tenth."""
 
 _LIBRARIES = sys.stdlib_module_names | {"numpy", "numba", "llvmlite"}
-"""Packages that a version identifies."""
+"""Packages identified by their version alone, without a digest of their code."""
 
 _PLAIN = (bool, int, float, complex, str, bytes, type(None), np.generic, np.dtype, numba.types.Type)
 
@@ -50,7 +50,7 @@ _is_pruned = False
 
 
 def trouble() -> str | None:
-    """Reason why compiled kernels could not be kept as they should; None if they could."""
+    """Reason why compiled kernels could not be cached; None if they could."""
     return next(iter((*refused(), *_troubles)), None)
 
 
@@ -65,7 +65,7 @@ def folders() -> list[Path]:
 
 
 def refused() -> list[str]:
-    """Folders that would be used and are not, each with the reason in brackets."""
+    """Folders rejected for the cache, each with the reason in brackets."""
     found = ((folder, refusal(folder)) for folder in _places())
     return [f"{folder} ({reason})" for folder, reason in found if reason is not None]
 
@@ -90,7 +90,7 @@ def _temporary() -> list[Path]:
 
 
 def refusal(folder: Path) -> str | None:
-    """Why a folder is not used, as others may have put something there; None if it is."""
+    """Reason why a folder is not trusted: other users may write to it; None if it is."""
     try:
         status = folder.stat()
     except OSError:
@@ -101,7 +101,7 @@ def refusal(folder: Path) -> str | None:
 
 
 def is_ours(status: os.stat_result) -> bool:
-    """Whether nobody but this user, or root, can have written a file or into a folder."""
+    """Whether only this user or root can have written a file or into a folder."""
     if not hasattr(os, "getuid"):
         return True
     return status.st_uid in (0, os.getuid()) and not status.st_mode & 0o022
@@ -249,7 +249,7 @@ def _prune(folder: Path) -> None:
 
 
 def sources(dispatcher: Any) -> str:
-    """Digest of a kernel and all it can reach: code, constants and compiler options.
+    """Digest of a kernel and of everything it depends on: code, constants and compiler options.
 
     Global names are followed, attributes of modules by their names alone: what else has such a
     name is taken along, which at worst compiles once too often.
@@ -332,7 +332,7 @@ def _of_library(module: str | None) -> bool:
 
 
 def _type(kind: Any) -> str:
-    """Type of an argument; named tuples with their fields, which Numba's names leave out."""
+    """Name of an argument's type; for named tuples with their fields, which Numba leaves out."""
     if hasattr(kind, "instance_class"):
         owner = kind.instance_class
         fields = zip(kind.fields, kind.types, strict=True)

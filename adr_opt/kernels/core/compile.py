@@ -23,7 +23,7 @@ from .cache import KernelCache
 
 
 class _NoMachineCode:
-    """Stand-in for the code generator, whose machine code holds the environments of functions."""
+    """Stand-in for Numba's code generator where a function has no machine code of its own."""
 
     @staticmethod
     def set_env(name: str, env: Any) -> None:
@@ -37,7 +37,7 @@ class InnerLibrary(JITCodeLibrary):
 
     @property
     def codegen(self) -> Any:
-        """Receiver of environments; other methods use ``_codegen``."""
+        """Stand-in that ignores environments; other methods use ``_codegen``."""
         return _NoMachineCode
 
     def _optimize_final_module(self) -> None:
@@ -49,7 +49,7 @@ class InnerLibrary(JITCodeLibrary):
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Address of the machine code: 0, there is none."""
+        """Address of the machine code: 0, as there is none."""
         self._ensure_finalized()
         return 0
 
@@ -151,7 +151,7 @@ def _compiled(**options: Any) -> Callable[[Function], Function]:
 
 
 def keep(dispatcher: Any) -> None:
-    """Keep what is compiled of a function, also of another package that would not, for later runs.
+    """Cache the compiled code of a function for later runs, even if its package does not.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def _call_within(dispatcher: Any, within: Any) -> None:
 
 
 def _plain(kind: Any) -> Any:
-    """Type of argument that a kernel takes from another one.
+    """Argument type with which one kernel calls another.
 
     Numba would compile it anew for each width of an integer and for each one written out in a call.
     """
@@ -198,7 +198,7 @@ inlined = _compiled(forceinline=True)
 
 
 class _Clock(event.Listener):
-    """Listener that times what Numba does; what lies within another counts once."""
+    """Listener that times Numba's events; nested events count once."""
 
     def __init__(self) -> None:
         self._depth = 0
@@ -219,7 +219,7 @@ class _Clock(event.Listener):
 
     @property
     def is_running(self) -> bool:
-        """Whether something is being done."""
+        """Whether a timed event is under way."""
         return self._spent[1] is not None
 
     def seconds(self) -> float:
@@ -229,21 +229,21 @@ class _Clock(event.Listener):
 
 
 class _WithoutGarbage(event.Listener):
-    """Listener that keeps garbage from being collected: a tenth of compiling, which finds none."""
+    """Listener that pauses garbage collection: a tenth of compile time, and it frees nothing."""
 
     def __init__(self) -> None:
         self._depth = 0
         self._collects = True
 
     def on_start(self, event: Any) -> None:
-        """Collect no more."""
+        """Pause garbage collection."""
         if self._depth == 0:
             self._collects = gc.isenabled()
             gc.disable()
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
-        """Collect again."""
+        """Resume garbage collection."""
         self._depth -= 1
         if self._depth == 0 and self._collects:
             gc.enable()

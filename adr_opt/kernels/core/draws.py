@@ -1,4 +1,4 @@
-"""Draws of uncertain worlds: numbers by key, and the inverse distributions at them.
+"""Draws of uncertain worlds: uniform numbers by key, and quantile functions to transform them.
 
 A draw is a function of the state of a world and of a key alone (docs/model.md section 13), so that
 rehearsals and environments meet the same worlds. What the distributions are is described in
@@ -17,11 +17,11 @@ SECOND_FACTOR = np.uint64(0x94D049BB133111EB)
 ONE = np.uint64(1)
 FIRST_SHIFT, SECOND_SHIFT, THIRD_SHIFT = np.uint64(30), np.uint64(27), np.uint64(31)
 EXCESS_BITS = np.uint64(12)
-"""Bits of a state that a number between 0 and 1 has no room for."""
+"""Low bits of a 64-bit state that do not fit into the 52-bit fraction of a float."""
 
 
 def _rational(above, below):
-    """Coefficients of a rational function: those of its numerator and of its denominator."""
+    """Coefficients of a rational function: numerator and denominator."""
     return tuple(tuple(float(number) for number in text.split()) for text in (above, below))
 
 
@@ -67,7 +67,7 @@ def world_state(seed):
 
 @kernel
 def uniform_at(state, key):
-    """A number from (0, 1) by the state of a world and the key of an event, both uint64."""
+    """A uniform number in (0, 1) from the state of a world and the key of an event, both uint64."""
     return (np.float64(_mixed(key + state) >> EXCESS_BITS) + 0.5) * 2.0**-52
 
 

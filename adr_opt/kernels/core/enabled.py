@@ -9,7 +9,7 @@ VARIABLE = "NUMBA_DISABLE_JIT"
 
 
 def obstacle() -> str | None:
-    """Why nothing is compiled, in a sentence with its cure; None if kernels are."""
+    """Why Numba compiles nothing, in a sentence that says what to do; None if it compiles."""
     if os.environ.get(VARIABLE, "0") in ("", "0"):
         return None
     return f"{VARIABLE} is set, so that nothing is compiled; unset it"

@@ -1,4 +1,4 @@
-"""Growing, selecting and sorting as loops, as NumPy's functions take a second each to compile."""
+"""Growing, selecting and sorting as loops: NumPy's functions take a second each to compile."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ RUN = 16
 """Length of the runs that are sorted by insertion before merging."""
 
 GUESSED = 12
-"""Numbers from which on :func:`first_at` guesses: halving takes a cache line for each step."""
+"""Length above which :func:`first_at` interpolates: each halving would load a cache line."""
 
 
 @inlined
@@ -79,7 +79,7 @@ def filled(size, number):
 
 @inlined
 def with_stair(places, costs, size, low, place, cost):
-    """Insert a stair into a staircase, whose later stairs are cheaper; it hides those no cheaper.
+    """Insert a stair into a staircase whose later stairs are cheaper, and drop those it dominates.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def with_stair(places, costs, size, low, place, cost):
 
 @inlined
 def kept_least(keys, items, kept, key, item):
-    """Put an item among the least ones so far, in ascending order; returns their number.
+    """Insert an item into an ascending list of the least so far; returns the list's length.
 
     As many as there is room for are kept; of equal keys the earlier one stays before.
     """

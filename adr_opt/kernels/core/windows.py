@@ -1,4 +1,4 @@
-"""When services may begin: the rule of windows, stated once.
+"""The window rule: when services may begin.
 
 A service begins at the first time from arrival on from which its capture fits into one interval, so
 that a chaser that arrives too late for one waits for the next. Its end never falls as arrival
@@ -59,7 +59,7 @@ class Windows(NamedTuple):
         return body[order], self.opens[order], self.latest[order]
 
     def of(self, bodies: IntArray) -> "Windows":
-        """Those of some bodies, in their order."""
+        """Windows of some bodies, in the given order."""
         counts = np.diff(self.first)[bodies]
         ends = np.cumsum(counts)
         rest = np.arange(int(counts.sum())) + np.repeat(self.first[bodies] - ends + counts, counts)
@@ -68,13 +68,13 @@ class Windows(NamedTuple):
         return _read_only(first, self.opens[places], self.latest[places])
 
     def later(self, body: int, begin: float) -> "Windows":
-        """The same with another end of the last interval of a body [s]."""
+        """A copy with another end of a body's last interval [s]."""
         latest = self.latest.copy()
         latest[self._last[body]] = begin
         return _read_only(self.first, self.opens, latest)
 
     def only(self, body: int, opens: float, latest: float) -> "Windows":
-        """The same with one interval of a body in place of all of its [s]."""
+        """A copy with one interval of a body in place of all its intervals [s]."""
         found, starts, ends = self._by_body
         kept = (found != body) | np.append(True, found[1:] != found[:-1])
         starts, ends = starts.copy(), ends.copy()
@@ -82,7 +82,7 @@ class Windows(NamedTuple):
         return windows_of(found[kept], starts[kept], ends[kept])
 
     def until(self, latest: npt.ArrayLike) -> "Windows":
-        """The same as far as services begin by a time, one for all or of each body [s]."""
+        """A copy cut off at a latest start of services, one for all or one per body [s]."""
         body, opens, ends = self._by_body
         capped = np.broadcast_to(latest, self.first.size - 1)[body]
         return windows_of(body, opens, np.minimum(ends, capped))
@@ -120,7 +120,7 @@ def _read_only(first: IntArray, opens: FloatArray, latest: FloatArray) -> Window
 
 @kernel
 def _begin_among(windows, low, high, arrival):
-    """The same among the intervals from ``low`` up to ``high``."""
+    """Earliest start of a service within the intervals from ``low`` up to ``high``."""
     end = high
     while low < high:
         middle = (low + high) // 2
@@ -161,7 +161,7 @@ def last_begin(windows, body):
 
 @kernel
 def _latest_among(windows, low, high, body, begin):
-    """The same where there are intervals from ``low`` up to ``high`` beside the first one."""
+    """Latest arrival where a body has intervals from ``low`` up to ``high`` beside its first."""
     start = low
     while low < high:
         middle = (low + high) // 2

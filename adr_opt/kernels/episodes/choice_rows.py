@@ -1,4 +1,4 @@
-"""Rows of choices: the numbers of :mod:`.choices`, worked out for episodes and rehearsals alike."""
+"""Rows of choices: the features of :mod:`.choices`, computed for episodes and rehearsals alike."""
 
 import math
 
@@ -84,7 +84,7 @@ from .choices import (
 
 @inlined
 def clip(value, low, high):
-    """A value clipped to its limits; NaN becomes the upper one, so that none reaches a network."""
+    """A value clipped to its limits; NaN becomes the upper limit, so that no network sees it."""
     if value <= low:
         return low
     if value <= high:
@@ -106,7 +106,7 @@ def move_cost(seconds, delta_v):
 
 @kernel
 def look_ahead(choices, near, is_open, now, count, there):
-    """Find the moves whose onward moves are looked at, and where those lead; count open ones.
+    """Select the moves to look beyond and the destinations after them; count open moves.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def look_ahead(choices, near, is_open, now, count, there):
 
 @inlined
 def note_onward(choices, at, seconds, delta_v, end):
-    """Note a move after a choice, if it fits the tank and the mission."""
+    """Record a move after a choice, if it fits the tank and the mission."""
     if not (delta_v <= choices.left[at] and choices.end[at] + seconds <= end):
         return
     best, cost = choices.onward[at], move_cost(seconds, delta_v)
@@ -170,7 +170,7 @@ def note_onward(choices, at, seconds, delta_v, end):
 
 @kernel
 def note_all_onward(choices, there, delta_v, end, duration):
-    """Note the moves after choices that :func:`look_ahead` asks for.
+    """Record the moves after choices that :func:`look_ahead` selected.
 
     Parameters
     ----------

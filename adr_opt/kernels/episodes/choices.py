@@ -1,4 +1,4 @@
-"""The choices of a state as a learned policy sees them: one row of numbers for each, and one more.
+"""Features of a state for a learned policy: one row per choice, and one row for the mission.
 
 :data:`CHOICE_FIELDS` and :data:`MISSION_FIELDS` name every number in order, with its unit and
 scale; all are clipped to :data:`LIMIT`. Episodes fill :class:`Choices` from timetables, rehearsals
@@ -144,13 +144,13 @@ MISSION_FIELDS = (
 # Columns of the mission, in the order of their names.
 
 NEAREST = 16
-"""Number of nearest targets of each body that are known."""
+"""Number of nearest targets listed per body."""
 
 LOOKED_AHEAD = 12
-"""Number of legal moves, the cheapest to targets, of which the moves after them are looked at."""
+"""Number of cheapest legal moves to targets that are examined one move further."""
 
 ONWARD = 5
-"""Number of nearest open targets to which those lead."""
+"""Number of nearest open targets examined after each of those moves."""
 
 CERTAIN = (0.0, 1.0, 1.0, 1.0, 0.0)
 """Spread, bounds, mean and standard deviation of a factor that is 1."""
@@ -190,7 +190,7 @@ class Standing(NamedTuple):
 
 
 class Choices(NamedTuple):
-    """Moves among which a chaser chooses, as planned, and what may come of them.
+    """Moves open to a chaser: planned values, and distributions of their outcomes.
 
     Attributes
     ----------

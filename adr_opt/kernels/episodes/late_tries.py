@@ -1,4 +1,4 @@
-"""The time that a try at a target exceeds once in ten: a factor and a delay together."""
+"""The 90 % quantile of a try's time: a random factor and a random delay together."""
 
 import math
 
@@ -6,10 +6,10 @@ from ..core.compile import kernel
 from ..core.draws import delay_at, lognormal_at
 
 LATE_SHARE = 0.9
-"""Share of tries that do not take longer than the late one."""
+"""Share of tries that take no longer than the late try."""
 
 PARTS = 64
-"""Number of equally likely parts of a factor by which its sum with a delay is looked at."""
+"""Number of equally likely parts into which the factor is split to add the delay."""
 
 HALVINGS = 40
 

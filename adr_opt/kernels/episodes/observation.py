@@ -107,7 +107,7 @@ def observe_choices(pool, episodes, order, first, last, into, worlds, choices):
 
 @inlined
 def _fill(rules, state, visited, choices, at, j):
-    """Fill a choice with what is planned."""
+    """Fill in the planned values of a choice."""
     choices.bodies[at], choices.station[at] = j, j == HOME
     choices.open[at] = j != state.body and (j != HOME or state.resources.since > 0)
     choices.legal[at] = False
@@ -129,7 +129,7 @@ def _fill(rules, state, visited, choices, at, j):
 
 @inlined
 def _fill_stay(pool, episodes, worlds, e, choices, at):
-    """Fill a choice with what may come of it."""
+    """Fill in the distribution of a choice's outcome."""
     slot, j, stay = episodes.slot[e], choices.bodies[at], choices.stay[at]
     if worlds is None:
         stay[0], stay[1], stay[2] = 1.0, 0.0, 1.0

@@ -29,23 +29,23 @@ TOKENS = 17
 """Number of choices that the network looks at: stations, and the cheapest moves, legal first."""
 
 HEADS = 4
-"""Of attention."""
+"""Number of attention heads."""
 
 PLACE, PLACE_WIDTH = 6, 6
-"""Numbers that say where the orbit of a token lies, and what a head makes of them: products for
-two tokens hold their distance and their phase."""
+"""Features of a token's orbit, and their projection in a head: products for two tokens hold their
+distance and their phase."""
 
 PLACES = (RADIUS_FROM_HOME, INCLINATION_FROM_HOME, RAAN_FROM_HOME)
-"""Fields that say where the orbit of a choice lies."""
+"""Fields that locate the orbit of a choice."""
 
 CONTEXT = len(MISSION_FIELDS) + 2 * len(CHOICE_FIELDS)
-"""Numbers of the whole: of the mission, and means and deviations over all open targets."""
+"""Number of context features: of the mission, and means and deviations over all open targets."""
 
 LAST, EQUAL = 100.0, 1e-3
-"""What puts illegal choices behind, and orders those of equal cost by their planes."""
+"""Penalty that ranks illegal choices last, and weight that breaks ties of cost by planes."""
 
 UNSEEN = -30.0
-"""Score of choices that are no tokens."""
+"""Score of choices that are not among the tokens."""
 
 ILLEGAL = -1e8
 """Score of an illegal move."""
@@ -104,7 +104,7 @@ def _linear(x, rows, weight, bias, out):
 
 @kernel
 def _normed(h, rows, width, out):
-    """Rows less their means, by their deviations."""
+    """Layer normalisation: rows less their mean, divided by their deviation."""
     share = np.float32(1.0 / width)
     for r in range(rows):
         mean, square = np.float32(0.0), np.float32(0.0)
@@ -134,7 +134,7 @@ def _add(more, rows, width, h):
 
 @kernel
 def _tokens(rows, keys, token):
-    """Note the choices that are tokens, best first; returns their number."""
+    """Select the choices that become tokens, best first; returns their number."""
     kept = 0
     for choice in range(len(rows)):
         row = rows[choice]
@@ -173,7 +173,7 @@ def _context(rows, mission, out):
 
 @inlined
 def _write_place(x, place):
-    """Where the orbit of a token lies."""
+    """Write the features that locate a token's orbit."""
     square = np.float32(0.0)
     for at in range(len(PLACES)):
         place[at] = x[PLACES[at]]
@@ -184,7 +184,7 @@ def _write_place(x, place):
 
 @kernel
 def _attention(split, lies, rows, width, across, near, seen):
-    """What each token sees of the values of all, by how near they are."""
+    """Attention: mean of all tokens' values, weighted by their nearness."""
     part = width // HEADS
     for head in range(HEADS):
         first, place = head * part, head * PLACE_WIDTH

@@ -20,7 +20,7 @@ from .choices import LEAST, MOST, SIGMA
 from .episodes import PRIZE, begin, body_of, rules_of, state_of
 
 SERVICED, REFUELLED, FAILED, GONE, LATE, DRY = range(6)
-"""What comes of a move, by the numbers of :data:`adr_opt.problem.world.OUTCOMES`."""
+"""Outcome of a move, by the numbers of :data:`adr_opt.problem.world.OUTCOMES`."""
 
 ILLEGAL = -1
 
@@ -51,7 +51,7 @@ STATION_KEYS, TANK_KEYS = range(2)
 """Columns of :attr:`WorldTables.models`."""
 
 OBSERVED = (CAUGHT, GONE_CHANCE, SUCCESS, MEAN_S, LATE_S, ALL_TRIES_S)
-"""Those of them that are seen, in the order of :attr:`.choices.Choices.stay`."""
+"""Observed columns of the models, in the order of :attr:`.choices.Choices.stay`."""
 
 NOTHING_LEFT_M_S = -SLACK_M_S
 """ΔV of a tank that ran dry, too little for any move [m/s]."""
@@ -89,7 +89,7 @@ class WorldTables(NamedTuple):
 
 
 class WorldStates(NamedTuple):
-    """Worlds of many episodes, and what became of their moves.
+    """Worlds of many episodes, and the outcomes of their moves.
 
     Attributes
     ----------
@@ -212,7 +212,7 @@ def _tried(worlds, e, slot, target, begins, rules):
 
 @kernel
 def fly(pool, episodes, worlds, e, destination):
-    """Make one move of one episode, and stay as its world has it.
+    """Make one move of one episode, with the leg and stay that its world draws.
 
     Returns
     -------

@@ -175,7 +175,7 @@ def lap_time(r, widening):
 
 @inlined
 def least_swing(largest):
-    """What phasing costs at least for a second of its flight time, by the largest radius.
+    """Lower bound on the ΔV of phasing per second of flight time, from the largest radius [m/s²].
 
     Burns before and after the turn are at least 0.2 v/r for each metre between the phasing radius
     and that of an end (vis-viva at the largest radius; 0.25 v/r between near radii), and both ways
@@ -453,7 +453,7 @@ def burn_parts(pair, rule, revolutions, r):
 
 @inlined
 def leg_delta_v(pair, rule, revolutions, r, departure, time, turn):
-    """Price of a leg, as the rule of transfers has it (docs/model.md sections 2.5 and 2.7) [m/s].
+    """Price of a leg by the instance's transfer rule (docs/model.md sections 2.5 and 2.7) [m/s].
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Drift legs in closed form: exact rates, whole laps, and the least sum of both burns.
+"""Drift legs in closed form: exact rates, whole laps, and the least sum of the two burns.
 
 Hours become days to months. The chaser leaves for a drift orbit whose node moves faster or slower,
 waits there, and closes what is left on arrival. With y and z what the first burn changes of the
@@ -57,7 +57,7 @@ NEARER, FAR = 0.25, 8.0
 it and N₁ and N₂ are this many times as large as that way: costs are then nearly a parabola."""
 
 STEADY = 3e-4
-"""Largest step to a tooth, as a share of the radius, of which arcs need not be taken anew."""
+"""Largest step to a tooth, as a share of the radius, for which arcs are not computed again."""
 
 SURE_M_S = 3.0
 """Largest error of the optimum of free phase by free burns [m/s]."""
@@ -107,7 +107,7 @@ def tooth(pair, task, radius, arcs, laps):
 
 @inlined
 def node_series(pair, task, arcs):
-    """What is left of the node of a drift leg with given arcs.
+    """Node difference left to close by a drift leg with given arcs.
 
     With cosines of i_i + δ on the drift orbit, halfway to it before, and halfway on after it.
     """

@@ -38,7 +38,7 @@ class Coast(NamedTuple):
 
 
 class NodeSeries(NamedTuple):
-    """What is left to gain on the target's node, by the inclination that the first burn changes.
+    """Node difference left to close, as a function of the first burn's change of inclination.
 
     A polynomial of that change [rad], up to the fifth power, over −V̄ sin ī [rad].
     """

@@ -12,7 +12,7 @@ MOST_STEPS = 40
 """Maximum number of Newton steps."""
 
 SMOOTH_M_S = 0.02
-"""Rounding of the tips of N₁ and N₂ in the search [m/s]."""
+"""Smoothing of the tips of N₁ and N₂ in the search [m/s]."""
 
 NEAR_M_S, NEAR_SPAN_S = 0.03, 30.0 * 86400.0
 """Largest error of the optimum after the last step: about the square of that step over N₁ or N₂.
@@ -22,7 +22,7 @@ TIP_ROOM_M_S = 3.0
 """Distance to a tip of N₁ or N₂ within which a step's square does not estimate its error [m/s]."""
 
 CLOSE_M_S, TINY_M_S = 0.002, 1e-9
-"""Last steps that are accepted anywhere, and that count as none [m/s]."""
+"""Last step that is accepted anywhere, and last step that counts as zero [m/s]."""
 
 MATCHING, MOST_TILTS = 6, 12
 """Numbers of steps to the optimum by free burns, and most Newton steps in each."""
@@ -58,7 +58,7 @@ class Free(NamedTuple):
 
 
 class Bowl(NamedTuple):
-    """A parabola in b_y, by which the square of the ΔV is more.
+    """A parabola in b_y that is added to the square of the ΔV.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Bowl(NamedTuple):
     bottom : float
         b_y of its lowest point [m/s].
     least : float
-        Its value there [m²/s²].
+        Value at the lowest point [m²/s²].
     """
 
     steepness: float
@@ -80,13 +80,13 @@ LEVEL = Bowl(0.0, 0.0, 0.0)
 
 @inlined
 def with_bowl(form, bowl, climb):
-    """ΔV with the parabola, for one without it and b_y [m/s]."""
+    """ΔV with the parabola added, from the ΔV without it and b_y [m/s]."""
     away = climb - bowl.bottom
     return math.sqrt(form * form + bowl.steepness * away * away + bowl.least)
 
 
 class Rest(NamedTuple):
-    """What is left of the node on arrival: by the drift orbit, and beside it.
+    """Node difference left on arrival: on the drift orbit, and on the arcs beside it.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ def first_guess(pair, task):
 
 @inlined
 def rest_of(pair, task):
-    """What is left of the node of a leg, wherever it drifts.
+    """Node difference left by a leg, as a function of its drift orbit.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def tilted(pair, shape, rest_of_node, climb, tilt):
 
 @inlined
 def matched(pair, task, rest_of_node, circles):
-    """Optimum of M (:mod:`.drift_shape`) from the one between circles; it itself if not by M.
+    """Optimum of M (:mod:`.drift_shape`), from the one between circles; the same without free burns.
 
     They are the same where that changes speeds by as much as eccentricities ask for. Else all b_y
     that do cost the same in the plane, and the node alone chooses: none of it is left, or b_y is
@@ -229,7 +229,7 @@ def matched(pair, task, rest_of_node, circles):
 
 @inlined
 def searched(pair, shape, rest_of_node, climb, tilt, least):
-    """A lower M among all b_y of no cost in the plane: of samples, and in ever smaller steps."""
+    """A lower M among all b_y that cost nothing in the plane: samples, then shrinking steps."""
     low = max(0.5 * pair.climb - shape, pair.least_climb)
     high = min(0.5 * pair.climb + shape, pair.most_climb)
     step = (high - low) / SAMPLES

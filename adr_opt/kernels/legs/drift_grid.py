@@ -97,7 +97,7 @@ def _change(pair, step, budget):
 
 @kernel
 def first_to_last(departures, arrivals, costs, count):
-    """Transfers found from the last departure to the first, each by arrival, turned round.
+    """Transfers found from the last departure to the first, reversed into ascending order.
 
     Parameters
     ----------

@@ -132,7 +132,7 @@ def prepare(orbit_i, orbit_j, rule, time):
 
 @kernel
 def within(orbit_i, orbit_j, rule, limits, free, time):
-    """The same between given radii of the drift orbit [m]."""
+    """A copy with given limits on the radius of the drift orbit [m]."""
     low, high = limits
     linear = drift_linear.prepare(orbit_i, orbit_j, low, high, rule.oblateness, time)
     ri, rj = linear.radius_i, linear.radius_j
@@ -201,7 +201,7 @@ def shape_on(pair, arrival):
 
 @inlined
 def task_of(pair, departure, arrival, shape):
-    """The task between two times with a shape as :func:`shape_on` has it.
+    """The task between two times, with the shape that :func:`shape_on` returns.
 
     The node is turned the nearer way, as it is if half of size and inclination is changed at either
     end.

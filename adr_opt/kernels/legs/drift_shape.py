@@ -1,4 +1,4 @@
-"""Price of a drift by free burns: by size and direction of the difference of the eccentricities.
+"""Price of a drift leg by free burns, from the difference of the eccentricity vectors.
 
 At either end burns ahead that change the speed by y change the eccentricity vector by as much as
 V̄ |Δe| / 2 = y at no cost, in whichever direction (docs/model.md section 3.6). So with
@@ -21,7 +21,7 @@ CLOSER_M_S = 1e-10
 
 @inlined
 def in_plane(pair, shape, climb):
-    """Squares of what either end takes in the plane of the orbit, for a y [m²/s²].
+    """Squares of the in-plane ΔV at either end, for a y [m²/s²].
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ def _by_departure(departure, arrival, order):
 
 @kernel
 def _merged(shorts, kept, longs, step):
-    """Kept short transfers and long ones in one list, by departure and then by arrival."""
+    """Retained short and long transfers in one list, by departure and then by arrival."""
     departure, arrival = shorts.departure, shorts.arrival
     cost, laps, family = shorts.delta_v, shorts.revolutions, shorts.family
     leaves, lands, long_cost = longs.departure, longs.arrival, longs.delta_v
@@ -125,7 +125,7 @@ def short_ones(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolutio
 
 @kernel
 def short_ones_of_pieces(pieces, orbit_j, extra_delta_v, rule, times, duration, resolution):
-    """Short transfers of a pair whose origin is left piece by piece, undominated in each piece.
+    """Short transfers of a pair with departures split into pieces, undominated in each piece.
 
     Parameters
     ----------

@@ -31,10 +31,10 @@ BAND_S = 300.0
 """Largest deviation of a flight time without ε from the range of its revolutions [s]."""
 
 FLAT_RAD = 3e-4
-"""Angle between planes, or to opposite, below which too many digits are lost [rad]."""
+"""Angle of two planes from equal or opposite below which too many digits are lost [rad]."""
 
 SMALL = 1.7
-"""Largest angle whose tangent is followed by a series [rad]."""
+"""Largest angle whose arc tangent is computed by a series [rad]."""
 
 TERMS = np.array([(-1.0) ** term / (2.0 * term + 1.0) for term in range(14)])
 """Coefficients of the arc tangent's series, whose remainder is below rounding."""
@@ -53,7 +53,7 @@ LANES = 8
 
 (BASE, SINE, COSINE, ACROSS_I, ALONG_I, ACROSS_J, ALONG_J, TURN, EARLIEST, ERROR, SHAPE) = range(11)
 FACTS = SHAPE + 6
-"""Number of facts: what eccentricity costs, or Δe where burns are free, is a parabola or two."""
+"""Number of facts: the cost of eccentricity is one parabola, Δe for free burns is two."""
 
 COST, REVOLUTIONS, LEFT, MET = range(4)
 
@@ -104,7 +104,7 @@ class _Laps(NamedTuple):
 
 
 class _FreePrice(NamedTuple):
-    """What the price of free burns has of a number of revolutions, and of the pair."""
+    """Terms of the price of free burns that depend on the revolutions and on the pair."""
 
     faces: free_burns.Faces
     speed: float
@@ -153,7 +153,7 @@ def grid_of(curves, rows):
 
 @inlined
 def _enter_parabola(facts, field, e, before, there, after):
-    """Enter a function of the time from an event, from its values aside of it."""
+    """Fit a parabola in the time from an event to a function's values around it."""
     facts[field * BLOCK + e] = there
     facts[(field + 1) * BLOCK + e] = 0.5 * (after - before) / ASIDE_S
     facts[(field + 2) * BLOCK + e] = 0.5 * (after - 2.0 * there + before) / (ASIDE_S * ASIDE_S)
@@ -161,7 +161,7 @@ def _enter_parabola(facts, field, e, before, there, after):
 
 @inlined
 def _parabola(facts, field, e, left):
-    """Such a function, at a time."""
+    """Value of a fitted parabola at a time."""
     second = facts[(field + 1) * BLOCK + e] + left * facts[(field + 2) * BLOCK + e]
     return facts[field * BLOCK + e] + left * second
 
@@ -339,7 +339,7 @@ def _lower(facts, curve, found, size, laps, motion):
 
 @kernel
 def _lower_free(facts, curve, found, size, laps, motion, price):
-    """The same by free burns."""
+    """Lower part of a row to prices by free burns of sequences with k revolutions."""
     faces, speed, climb = price
     for e in range(size):
         left, met, versine, sine_i, into_i, time, there, unsure = _solved(

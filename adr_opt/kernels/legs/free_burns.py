@@ -1,4 +1,4 @@
-"""Price of a leg whose impulses are free in place and direction (docs/model.md section 2.7).
+"""Price of a leg with free place and direction of each impulse (docs/model.md section 2.7).
 
 To first order the changes that a leg makes within a plane are linear in its impulses. Their least
 sum is the most that a linear function of the changes can be whose *primer*, what a unit impulse
@@ -21,7 +21,7 @@ from ..core.compile import inlined
 from ..orbits import eccentricity
 
 MARGIN = 1.02
-"""Price over the least that the closed form knows, so that plans hold when they are flown."""
+"""Ratio of the price to the closed-form minimum, so that plans hold when they are flown."""
 
 ROOT_3 = math.sqrt(3.0)
 

@@ -20,17 +20,17 @@ from .low_thrust_split import BUSY, NEVER, OFF, OFF_M_S, LowThrustSplit, free_sp
 from .low_thrust_windows import WINDOWS_RAD, Steering, easing, places, steering
 
 LONG_S = 150.0 * 86400.0
-"""Legs that are longer are also tried with a turn of the node more and less [s]."""
+"""Duration above which legs are also tried with one more and one less turn of the node [s]."""
 
 SLACK_M_S = 0.3
 """Largest excess of the estimate with impulses over the ΔV with thrust [m/s]."""
 
 OFF_BUSY = 0.1
-"""How much farther a lower bound is below a split, as a share, by the share of the time with
-thrust: heavier chasers may have cheaper legs then."""
+"""Further margin of a lower bound below a split, as a share, per share of the time with thrust:
+heavier chasers may have cheaper legs then."""
 
 LEAST_SHARE = 0.2
-"""Share of a revolution with thrust that windows have at least, but for deep shadows."""
+"""Least share of a revolution with thrust in a window, except in deep shadow."""
 
 WIDER = 1.1
 """Factor on the limit of lower bounds of legs that may thrust for long. Estimates that are compared
@@ -42,7 +42,7 @@ LIGHTER = 1.01
 
 @inlined
 def task_turned(pair, task, turns):
-    """The same task with the node turned some more whole turns."""
+    """The task with a number of whole turns added to the node."""
     more = turns * TURN_RAD
     return Task(task.span, task.lag + more, task.ahead + pair.cosine * more, *ALIKE)
 
@@ -81,7 +81,7 @@ def with_impulses(drift, task, turn, bowl):
 
 @inlined
 def _lower(split, span):
-    """A split whose ΔV is a lower bound, also where a split beside it would be cheaper."""
+    """A split whose ΔV is a lower bound even if a neighbouring split is cheaper."""
     if split.delta_v == math.inf:
         return NEVER
     share = min((split.times.first + split.times.second) / span, 1.0)
@@ -112,7 +112,7 @@ def _eased_split(pair, task, thrust, steers):
 
 @inlined
 def _is_too_dear(impulses, thrust, span, below, relaxed):
-    """Whether an estimate with impulses says that a leg costs as much as a limit.
+    """Whether a leg costs at least a limit by its estimate with impulses.
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ def delta_v(pair, thrust, departure, arrival):
 
 
 NONE_KNOWN = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0)
-"""No legs of heavier chasers."""
+"""Default where there are no legs of heavier chasers."""
 
 
 @kernel

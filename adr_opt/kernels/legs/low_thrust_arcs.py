@@ -53,7 +53,7 @@ class ArcTimes(NamedTuple):
 
 @inlined
 def weighted(pair, turn):
-    """A pair in which changes of the plane count κ times, as everything that is derived of them.
+    """A pair in which changes of plane, and all derived from them, are weighted by κ.
 
     The form of :mod:`.drift` then holds of it as it stands: node and inclination enter that only
     with the mean speed as their factor.
@@ -85,7 +85,7 @@ def weighted(pair, turn):
 
 @inlined
 def chord(delta_v, speed):
-    """ΔV of a large change by that of many small ones, both arcs taken as equal [m/s].
+    """ΔV of a large change from the sum of many small ones, both arcs taken as equal [m/s].
 
     Edelbaum's formula, sqrt(V_0² − 2 V_0 V_1 cos(κ θ) + V_1²), has the chord of the angle κ θ in
     place of its arc: of either arc here 2 V sin(ΔV / 4 V). Two equal ones cost most.
@@ -159,7 +159,7 @@ def longitude_gained(pair, coasting, times, speed):
 
 @inlined
 def node_series(pair, task, coasting, times, speed):
-    """What is left of the node of a low-thrust leg, by what the first arc changes of inclination.
+    """Node difference left by a low-thrust leg, by the first arc's change of inclination.
 
     On a ramp speed and inclination change together: Gauss's rule with three points.
 
@@ -212,7 +212,7 @@ def _mean_slope(one, other):
 
 @inlined
 def beside_ramps(pair, times, climb, tilt):
-    """How far the node moves on both arcs beyond what it would at the mean of their ends' rates.
+    """Extra node drift on both arcs beyond that at the mean of the rates at their ends.
 
     Parameters
     ----------

@@ -44,13 +44,13 @@ SAVED_M_S = 1e-9
 
 
 BUSY, MOST_LAPS, MOST_EASED_LAPS = 0.15, 6, 60
-"""Share of a leg with thrust from which on laps farther than both next to the optimum of free phase
-are tried, and the maximum numbers of them, here and where eccentricities change with the size."""
+"""Share of a leg with thrust above which laps beyond the two nearest the free-phase optimum are
+tried, and their maximum numbers, here and where eccentricities change with the size."""
 
 
 OFF, OFF_M_S = 2e-3, 0.01
-"""How far a split may be above the cheapest one, as a share, and [m/s]: a split is the best for
-given times of thrust, and another one with less of them may be cheaper."""
+"""Largest excess of a split over the cheapest one, as a share and in [m/s]: a split is the best for
+given times of thrust, and another one with shorter times may be cheaper."""
 
 
 TIP_M_S = 1e-9
@@ -80,7 +80,7 @@ class LowThrustSplit(NamedTuple):
 
 
 NEVER = LowThrustSplit(math.inf, math.inf, 0.0, 0.0, 0.0, ArcTimes(math.inf, math.inf))
-"""Split of a leg that there is not."""
+"""Split of an impossible leg."""
 
 
 class Iteration(NamedTuple):
@@ -146,14 +146,14 @@ def laid_out(pair, thrust, steering, form, climb, tilt):
 
 @inlined
 def has_settled(now, found, span):
-    """Whether times of thrust stay as they are."""
+    """Whether the times of thrust have converged."""
     off = abs(found.first - now.times.first) + abs(found.second - now.times.second)
     return off < CLOSE * span
 
 
 @inlined
 def has_settled_together(now, found, span):
-    """Whether their sum stays as it is."""
+    """Whether the sum of the times of thrust has converged."""
     return abs(found.first + found.second - now.here) < CLOSE * span
 
 
@@ -267,7 +267,7 @@ def tooth_split(pair, task, thrust, steering, free, follow, laps):
 
 @inlined
 def split(pair, task, thrust, steering, below):
-    """The cheapest tooth near the optimum of free phase: of both beside it, and on from there.
+    """The cheapest tooth near the free-phase optimum: the two beside it, then further ones.
 
     Parameters
     ----------

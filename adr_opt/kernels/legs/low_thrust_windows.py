@@ -33,7 +33,7 @@ from .drift_free import Bowl, first_guess, with_bowl
 from .drift_pair import DriftPair
 
 STEEP = 1e-9
-"""Least steepness of a parabola: below it what arcs do cancels out, or there is no shadow."""
+"""Least steepness of a parabola: below it the arcs cancel, or there is no shadow."""
 
 
 class Metric(NamedTuple):
@@ -66,7 +66,7 @@ class Shapes(NamedTuple):
 
 @inlined
 def room(shadow, turn, share):
-    """S of places in sunlight on an orbit whose perigee turns by an angle, times a share."""
+    """S of sunlit places on an orbit whose perigee turns by an angle, multiplied by a share."""
     middle = 2.0 * (shadow.middle + turn)
     lit = 1.0 / (math.pi - shadow.half)
     c = math.sin(shadow.half) * lit
@@ -78,7 +78,7 @@ def room(shadow, turn, share):
 
 @inlined
 def bowl(shapes, one, other, climb):
-    """The parabola in what the first arc changes of the speed.
+    """The parabola in the first arc's change of speed.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def bowl(shapes, one, other, climb):
     one, other : Lit
         Windows of both arcs.
     climb : float
-        What both change [m/s].
+        Change of speed by both arcs [m/s].
     """
     c, s = shapes.first
     x1, y1 = one.toward * c - one.aside * s, one.toward * s + one.aside * c
@@ -171,7 +171,7 @@ def prepare(orbit_i, orbit_j, rule, since_j2000, time):
 
 
 class Lit(NamedTuple):
-    """Means over the places of a revolution at which thrust is on.
+    """Means over the thrusting part of a revolution.
 
     Attributes
     ----------
@@ -379,13 +379,13 @@ def mean_primer(window):
 
 @inlined
 def easing(steering):
-    """By how much less a norm of its power may be than the root of the sum of squares."""
+    """Least ratio of a norm of the windows' power to the root of the sum of squares."""
     return 2.0 ** (1.0 / steering.power - 0.5)
 
 
 @inlined
 def shaped(pair, steering, form, climb):
-    """ΔV with what eccentricities ask for, for one without that and y [m/s] (model, 11.8)."""
+    """ΔV including eccentricities, from the ΔV without them and y [m/s] (model, 11.8)."""
     if steering.power == 2.0:
         return with_bowl(form, steering.bowl, climb)
     size, away = abs(climb) + abs(pair.climb - climb), climb - steering.bowl.bottom

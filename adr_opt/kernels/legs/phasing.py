@@ -191,7 +191,7 @@ class _FreePrice(NamedTuple):
 
 @kernel
 def _lower_free(times, size, laps, nodes, coefficients, price, cost, revolutions):
-    """The same by free burns, of events half a revolution apart: Δe changes sign with each."""
+    """Lower costs to prices by free burns at events half a revolution apart (Δe alternates)."""
     k, low, high = laps
     faces, speed, climb, along, across, turn, fixed = price
     for t in range(size):

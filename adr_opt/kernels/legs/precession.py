@@ -28,7 +28,7 @@ MOST_STEPS = 8
 sequence is omitted."""
 
 CLOSE_S = 1e-6
-"""Step below which a fixed point is accepted: the next one would be far smaller [s]."""
+"""Step below which a fixed point is accepted; the next step would be far smaller [s]."""
 
 STEP_S = 16.0
 """Departures are rounded down to whole steps of this after their event [s]."""

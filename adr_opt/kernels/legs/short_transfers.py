@@ -29,13 +29,13 @@ SURE_STEPS = 3
 """Number of steps within which a fixed point counts as found from any nearby start."""
 
 NEAR_RAD = 0.003
-"""Angle between planes below which that is not certain [rad]."""
+"""Angle between planes below which convergence is not certain [rad]."""
 
 STEEPEST = 4.0
 """Largest growth of a node's rate ε with the flight time, approximately."""
 
 RESTLESS = 0.3
-"""Nor is it certain where the line of nodes moves at this rate against the chaser."""
+"""Rate of the line of nodes against the chaser above which convergence is not certain."""
 
 ERROR_M_S, BEND_M_S = 0.05, 400.0
 """Largest error of an estimated ΔV: the first, plus the second times (ε/θ)²."""

@@ -30,7 +30,7 @@ def as_left(bodies: FloatArray) -> FloatArray:
 
 
 def launched(row: FloatArray, target: FloatArray) -> FloatArray:
-    """A circle that is launched into, as a chaser leaves it at any time for a target.
+    """Row of a launch orbit for a departure at any time: a circle in the plane of the target.
 
     It has the target's node then, which drifts afterwards as its own radius says, and it moves as
     if it had been half a revolution away from the target at t = 0.

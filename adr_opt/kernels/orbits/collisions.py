@@ -40,7 +40,7 @@ class CollidingObjects(NamedTuple):
 
 
 class CollisionTables(NamedTuple):
-    """What collisions are weighed by.
+    """Tables and constants that give the weight of a collision.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class CollisionTables(NamedTuple):
 
 @inlined
 def outcome(objects, tables, i, j):
-    """Encounter rate of a pair, and what a collision of the two makes.
+    """Encounter rate of a pair, and the fragments of a collision between the two.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def collision(objects, tables, i, j):
 
 @kernel
 def all_collisions(objects, tables, first, last, sums, partners, cells):
-    """Sums over the pairs of some objects with all that follow them.
+    """Sums over the pairs of each object of a block with all objects after it.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def all_collisions(objects, tables, first, last, sums, partners, cells):
 
 @kernel
 def worths_with(objects, tables, one, some):
-    """Worth of the pairs of one object with each of some.
+    """Worth of the pairs that one object forms with each of several others.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def worths_with(objects, tables, one, some):
 
 @kernel
 def shared_worths(objects, tables, some, first, last, sums):
-    """Worth that each of some objects shares with the others of them, of a block of rows.
+    """Worth that each object of a set shares with the rest of the set, for a block of rows.
 
     Parameters
     ----------

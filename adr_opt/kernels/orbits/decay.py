@@ -1,4 +1,4 @@
-"""Drag on an orbit in an atmosphere of exponential layers: time until it is down, and course.
+"""Drag in an atmosphere of exponential layers: time until re-entry, and orbit after a time.
 
 Perigee and apogee change at rates averaged over a revolution, in a still, spherical atmosphere
 (D. G. King-Hele, Satellite Orbits in an Atmosphere, 1987, chapter 4).
@@ -73,7 +73,7 @@ def _step(perigee, apogee, altitudes, logs):
 
 @kernel
 def drag_time(perigee, apogee, altitudes, logs, most):
-    """Time until an orbit is down, times its ballistic coefficient.
+    """Time until re-entry, times the ballistic coefficient.
 
     Parameters
     ----------

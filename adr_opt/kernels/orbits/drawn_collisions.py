@@ -14,7 +14,7 @@ from .keyed_draws import beginnings, joined, mixed
 
 @kernel
 def drawn_collisions(objects, tables, numbers, keys, first, last, sums, hits):
-    """Rates and drawn collisions of some objects with all that follow them.
+    """Rates and drawn collisions of each object of a block with all objects after it.
 
     Parameters
     ----------

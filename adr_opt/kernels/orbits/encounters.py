@@ -25,7 +25,7 @@ CLOSE = 1e-9
 
 @inlined
 def quarter_period(part):
-    """Complete elliptic integral of the first kind, K(m), of the part 1 − m that m lacks of 1.
+    """Complete elliptic integral of the first kind, K(m), from the complement 1 − m.
 
     By the arithmetic-geometric mean; the part itself keeps the digits that m loses near 1.
     """

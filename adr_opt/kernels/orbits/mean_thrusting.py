@@ -1,4 +1,4 @@
-"""Averaged flight with arcs of low thrust: a prediction of :mod:`.thrusting` in a thousandth of it.
+"""Averaged flight with low thrust: predicts :mod:`.thrusting` in a thousandth of its time.
 
 Mean elements near a circle, (a, e_x, e_y, i, Ω, λ), with the eccentricity vector and the mean
 argument of latitude λ counted from the node, move by the secular rates of J2 and by the mean of

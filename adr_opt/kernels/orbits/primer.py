@@ -20,7 +20,7 @@ import math
 from ..core.compile import inlined, kernel
 
 PEAK_SAMPLES = 90
-"""Number of places among which the longest primer vector is looked for."""
+"""Number of places searched for the longest primer vector."""
 
 
 @inlined

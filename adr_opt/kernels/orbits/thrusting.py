@@ -25,13 +25,13 @@ MOST_ROUNDS = 12
 """Maximum number of iterations for the stages; four to five are needed."""
 
 SCAN_RAD = 2.0 * math.pi / 90.0
-"""Distance of places at which it is asked whether thrust is on."""
+"""Spacing of places at which thrust is tested for being on [rad]."""
 
 NEAR_RAD = 0.05
-"""Distance before a switch at which its place is found once more."""
+"""Distance before a switch at which its place is computed again [rad]."""
 
 CLEAR_M = 5e3
-"""Clearance from the shadow: by how much an osculating orbit changes over that distance [m]."""
+"""Clearance from the shadow: change of an osculating orbit over that distance [m]."""
 
 GRAZED_M, BESIDE_RAD = 3e4, 0.15
 """Clearance below which the darkest place is looked at once more, from twice that distance, and
@@ -63,7 +63,7 @@ class Push(NamedTuple):
 
 
 class ThrustArcs(NamedTuple):
-    """ThrustArcs of thrust, in time order.
+    """Arcs of thrust in time order.
 
     Attributes
     ----------
@@ -404,7 +404,7 @@ def elements_of(state, time):
 
 @kernel
 def state_of(now):
-    """Inertial state of such elements, shape (6,) [m, m/s]."""
+    """Inertial state of the elements of :func:`elements_of`, shape (6,) [m, m/s]."""
     p, f, g, h, k = now[0], now[1], now[2], now[3], now[4]
     c, s = math.cos(now[6]), math.sin(now[6])
     whole, apart = 1.0 + h * h + k * k, h * h - k * k

@@ -133,7 +133,7 @@ def most_kits(loads):
 
 @inlined
 def may_stand_for(loads, kits, other):
-    """Whether a chaser with ``kits`` aboard can do everything that one with ``other`` kits can.
+    """Whether ``kits`` aboard dominate ``other``: every continuation remains possible.
 
     At equal remaining ΔV, fewer kits mean a lighter chaser, so that neither dominates.
     """

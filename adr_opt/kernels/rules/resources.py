@@ -52,7 +52,7 @@ class Resources(NamedTuple):
 
 
 class CountLimits(NamedTuple):
-    """The most that a chaser may count; :data:`ANY` where that does not limit it.
+    """Limits on the counts of a chaser; :data:`ANY` where there is none.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class CountLimits(NamedTuple):
 
 
 ANY = (1 << 20) - 1
-"""A number that no mission reaches."""
+"""Count that no mission reaches."""
 
 
 @inlined
@@ -203,5 +203,5 @@ def with_counts(time, left, counts):
 
 
 def kits_alone(kits):
-    """Packed counts of chasers that have done nothing yet, by their kits aboard."""
+    """Packed counts at the start of a route, by the number of kits aboard."""
     return kits << 2 * COUNT_BITS

@@ -216,7 +216,7 @@ def may_go(rules, state, visited, destination):
 
 @inlined
 def has_way_back(rules, state):
-    """Refuelling guard: whether a chaser at a target can still refuel, or no longer needs to.
+    """Refuelling guard: whether a chaser at a target can still refuel, or need not.
 
     It need not when nothing could be serviced after refuelling, at any station, before the mission
     ends. A mission without stations knows no guard.

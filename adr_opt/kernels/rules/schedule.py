@@ -129,7 +129,7 @@ class Visit(NamedTuple):
 
 @inlined
 def _capped(caps, c, left):
-    """What is left before a connection, after venting [m/s]."""
+    """ΔV left before a connection, after venting [m/s]."""
     if caps is None:
         return left
     return min(left, caps[c])
@@ -137,7 +137,7 @@ def _capped(caps, c, left):
 
 @inlined
 def _has_vented(caps, c, left):
-    """Whether some had to be vented before a connection, or nothing was to spare."""
+    """Whether propellant is vented before a connection, or the cap is met exactly."""
     if caps is None:
         return False
     return left >= caps[c]

@@ -121,13 +121,13 @@ def chosen(source, i, j, ready):
 
 @inlined
 def _begin(source, j, stand_off, approach):
-    """Start of the service after an approach, without the time that this takes [s]."""
+    """Start of the service that follows an approach, less the duration of the approach [s]."""
     return service_begin(source.limits.windows, j, stand_off + approach) - approach
 
 
 @kernel
 def at_regular_events(source, i, j, ready):
-    """The same with all that is known of the connection, where events are regular.
+    """The chosen connection with all its data, where events are regular.
 
     Returns
     -------

@@ -54,7 +54,7 @@ class Pairs(NamedTuple):
 
 
 WAVE = 16
-"""Number of destinations computed for all origins before the next ones of any."""
+"""Number of destinations computed for every origin before any origin gets its next ones."""
 
 
 @kernel

@@ -96,7 +96,7 @@ def _of_the_project(path: Path, name: str) -> Recognised:
     try:
         text = path.read_text("utf-8")
     except ValueError:
-        raise InputError(f"{name}: not JSON: no text in UTF-8; give a JSON file") from None
+        raise InputError(f"{name}: not JSON: not text in UTF-8; give a JSON file") from None
     content: Any = parse_json(text, name)
     kind = str(content.get("format") if isinstance(content, dict) else "").partition("/")[0]
     if kind == "adr-opt-instance":
