@@ -1,4 +1,4 @@
-"""The gate: what reads a plan, a refined plan or a certificate lets the judge see it first.
+"""The gate: plans, refined plans and certificates are judged before anything uses them.
 
 Verbs, exports, pages, flights, rehearsals and replanning take an :class:`Admitted`, which only
 :func:`admit` makes. Public functions take a plan as well, and admit it first. What was let in
@@ -23,30 +23,30 @@ from .check.violation import Violation
 What = TypeVar("What", Plan, RefinedPlan, Certificate)
 
 TANK = frozenset({"delta-v"})
-"""A tank that legs overdraw as they are flown: the answer of a flight, and no reason not to fly."""
+"""Rules that do not keep a plan from being flown: whether tanks last is what a flight finds out."""
 
 MODEL_TANK = frozenset({"delta-v", "delta-v-left"})
-"""Rules that plans break which spend what flight has saved: tanks as the model counts them.
+"""Rules of the model's tanks, which plans may break that spend ΔV saved in flight.
 
-Those of refined plans are judged as flown.
+Tanks of refined plans are judged as flown.
 """
 
 _BY_THE_GATE = object()
-"""Known to :func:`admit` alone, so that nothing else makes an :class:`Admitted`."""
+"""Token known to :func:`admit` alone, so that nothing else can make an :class:`Admitted`."""
 
 NAMES: dict[type, str] = {Plan: "plan", RefinedPlan: "refined plan", Certificate: "certificate"}
 
 
 @dataclass(frozen=True)
 class Admitted(Generic[What]):
-    """A plan, a refined plan or a certificate that the judge has seen, with its instance.
+    """A plan, a refined plan or a certificate that has been judged, with its instance.
 
     Attributes
     ----------
     instance : Instance
     plan : Plan, RefinedPlan or Certificate
     violations : tuple of Violation
-        Nothing, but for what was let in unjudged.
+        Empty, unless violations were tolerated.
     """
 
     instance: Instance
@@ -79,7 +79,7 @@ def admit(
     excused: Collection[str] = (),
     refined_from: Plan | None = None,
 ) -> Admitted[What]:
-    """Let the judge see a plan, a refined plan or a certificate.
+    """Judge a plan, a refined plan or a certificate before it is used.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def admit(
 
 
 def admit_made(instance: Instance, plan: Plan, *, excused: Collection[str] = ()) -> Admitted[Plan]:
-    """Let the judge see a plan that a planner of ours has just made.
+    """Judge a plan that a planner has just made.
 
     Parameters
     ----------
@@ -167,9 +167,9 @@ def _of_refined(
     refined.instance.refuse_other(instance, NAMES[RefinedPlan])
     planned = refined.planned if plan is None else plan
     if planned is None:
-        said = "it does not hold the plan that it was made of; refine that again"
+        said = "it does not contain the plan that it refines; refine that plan again"
         return (Violation(None, UNJUDGED, said),)
     if refined.planned not in (None, planned):
-        return (Violation(None, "plan", "it was made of another plan than the one given"),)
+        return (Violation(None, "plan", "it refines another plan than the one given"),)
     of_plan = (each for each in check(instance, planned) if each.rule not in MODEL_TANK)
     return (*of_plan, *check_refined(instance, planned, refined))

@@ -347,10 +347,10 @@ def test_numbers_that_are_none_are_refused(claims):
         numbers[-1] = number
         forged = labels._replace(**{column: numbers})
         why = why_open(legs, about, forged, starts, listed.find(lambda ends: ends.body))
-        assert why == "a label is at no place, or has no number", column
+        assert why == "a label has no body of the instance, or a value that is not a number", column
     none = labels._replace(memory=labels.memory[:0])
     why = why_open(legs, about, none, starts, listed.find(lambda ends: ends.body))
-    assert why == "labels have not as many words, or counts, as walks have"
+    assert why == "labels have another number of memory words or counts than walks"
 
 
 def test_a_finder_can_neither_skip_nor_change_what_it_is_asked(claims):

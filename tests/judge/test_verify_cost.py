@@ -209,7 +209,7 @@ def test_costs_that_are_not_yet_verifiable_are_refused():
     certificate = certificate_of(instance, result)
     part = ProvenCost(prize=result.objective, bound=1.0, per_prize=1.0)
     verdict = verify(instance, result.plan, certificate.model_copy(update={"cost": part}))
-    assert any("not yet verifiable: it is not ΔV" in reason for reason in verdict.reasons)
+    assert any("cannot be verified yet: the cost is not ΔV" in reason for reason in verdict.reasons)
 
 
 STRANGE = {

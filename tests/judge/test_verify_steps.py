@@ -204,13 +204,13 @@ def test_what_cannot_be_counted_in_steps_is_one_sentence(monkeypatch):
 
     (walks,) = certificate.walks
     names = instance.names
-    refused("field time_step_s = 100000.0: there are legs", time_step_s=1e5)
-    refused("none may be above 32766", time_step_s=1e-3)
-    refused("none may be above 32766", delta_v_slot_m_s=1e-4)
+    refused("field time_step_s = 100000.0: some legs", time_step_s=1e5)
+    refused("none may exceed 32766", time_step_s=1e-3)
+    refused("none may exceed 32766", delta_v_slot_m_s=1e-4)
     remembering = walks.replace(neighbourhoods={names[1]: (names[2],)})
-    refused("remember where they come from, and nothing else", walks=(remembering,))
+    refused("remember only the previous body", walks=(remembering,))
     paying = walks.replace(worth_per_m_s=0.1)
-    refused("walks pay for ΔV only where", walks=(paying,), time_step_s=None)
+    refused("walks pay for ΔV only in steps", walks=(paying,), time_step_s=None)
     monkeypatch.setattr(steps, "available_bytes", lambda: 1e4)
     refused("not verifiable here: it takes")
     monkeypatch.undo()

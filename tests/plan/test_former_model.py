@@ -70,7 +70,7 @@ def test_former_certificates_of_drifts_are_refused():
     assert former.model == 2
     assert "model" not in json.loads(former.to_json())
     (reason,) = verify(mission.instance, None, former).reasons
-    assert "prove anew" in reason
+    assert "prove again" in reason
     assert verify(mission.instance, None, certificate).verified
 
     short = adr_opt.Mission(hand_made())
@@ -91,7 +91,7 @@ def test_files_that_were_written_before_are_read_and_hold(field: str) -> None:
     assert plan.instance.sha256 == instance.sha256
     assert adr_opt.check(instance, plan) == ()
     # It is of 1.0, whose files do not hold their plan.
-    with pytest.raises(adr_opt.InputError, match="does not hold the plan that it was made of"):
+    with pytest.raises(adr_opt.InputError, match="does not contain the plan that it refines"):
         fly_refined(instance, refined)
     assert fly_refined(instance, admit(instance, refined, refined_from=plan)).holds
     for data, name in ((instance, "json"), (plan, "plan.json"), (refined, "refined.json")):

@@ -166,7 +166,7 @@ def test_check_and_verify_tell_optimal_to_the_unit() -> None:
     assert adr_opt.check(nasty, lying) == ()  # figures agree, but it is not what was proven
     verdict = verify(nasty, lying, certificate.replace(plan_sha256=None), connections=5)
     assert any("the plan states the bound" in reason for reason in verdict.reasons)
-    assert any("said to be optimal" in reason for reason in verdict.reasons)
+    assert any("claims to be optimal" in reason for reason in verdict.reasons)
 
 
 @pytest.mark.parametrize("method", ["greedy", "exact", "auto", "beam", "local-search"])

@@ -212,7 +212,7 @@ def test_a_plan_whose_arcs_lead_nowhere_is_still_told_of() -> None:
     spoilt = with_legs(plan, [*plan.legs[:at], wrong, *plan.legs[at + 1 :]])
     text = page(instance, spoilt)
     assert f"leg {at + 1}: its arcs lead to no orbit" in text
-    assert "of the size is left" in text
+    assert "the change of size is incomplete" in text
 
 
 @pytest.mark.slow

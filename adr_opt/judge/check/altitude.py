@@ -1,4 +1,4 @@
-"""Altitudes that a chaser passes beside bodies, at the size that their orbits have by then.
+"""Altitudes of a chaser beside bodies, on their orbits as they have decayed by then.
 
 Burns of plans lead from circle to circle, whose limits :mod:`.leg` checks. Where a chaser is docked
 it goes as low as the body: to the perigee of the true orbit, which sinks with it.
@@ -16,7 +16,7 @@ from .violation import ALTITUDE_TOLERANCE_M, Violation
 
 
 class Heights:
-    """Lowest altitudes of bodies, and what they may be.
+    """Lowest altitudes of bodies, and the limits on them.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ ROUNDED_S = 16.0 + 2e-3
 """Largest rounding of departures where planes drift [s]."""
 
 SINKING_S = 7200.0 + 60.0
-"""Time before a body is too low in which nobody need leave it or arrive there [s]."""
+"""Time before a body has sunk too low in which no connection to or from it is required [s]."""
 
 NO_RULES = frozenset({"burns", "eccentricity", "given"})
 """Violations that concern only the form of a leg."""
@@ -65,7 +65,7 @@ class Sampled(NamedTuple):
 def sample_connections(
     instance: Instance, connecting: ConnectionFinder, number: int, seed: int
 ) -> Sampled:
-    """Fly some connections again, and look for better ones at some departures.
+    """Fly a sample of connections again, and search for better ones at their departures.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def _faults(
 
 
 def _is_matched(instance: Instance, found: Connections, way: Way, resolution: float) -> bool:
-    """Whether a way is dispensable or matched by a connection."""
+    """Whether a transfer is not required, or a connection is as good."""
     if way.delta_v > instance.largest_tank_m_s or way.arrival > instance.mission.duration_s:
         return True
     early = way.early + (ROUNDED_S if instance.nodes_drift else TIME_TOLERANCE_S)
@@ -187,7 +187,7 @@ def _is_matched(instance: Instance, found: Connections, way: Way, resolution: fl
 
 
 def _is_barred(instance: Instance, physics: Physics, way: Way, i: int, j: int) -> bool:
-    """Whether a body is too low by then, or a tow from it may end far from its circle.
+    """Whether a body has sunk too low, or a tow from it may end too far from its circle.
 
     Connections leave these bodies out (docs/model.md section 1.5). This is found out here by the
     physics of `check`.

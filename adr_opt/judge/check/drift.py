@@ -60,7 +60,7 @@ def arcs_of(ends: Ends, radius: float) -> FloatArray:
 
 @kernel
 def laps_of(ends: Ends, radius: float) -> float:
-    """Laps gained beyond those that meet the target: an integer where it is met."""
+    """Laps gained relative to the target: an integer where the chaser meets it."""
     arcs = arcs_of(ends, radius)
     inclination = math.acos(ends.cosine)
     gained = 3.0 * math.pi
@@ -73,7 +73,7 @@ def laps_of(ends: Ends, radius: float) -> float:
 
 @kernel
 def parts_with(ends: Ends, radius: float, tilt: float) -> tuple[float, float, float, float, float]:
-    """What a drift orbit of a radius [m] and an excess inclination, given in [m/s], leaves to do.
+    """Differences that a drift orbit of some radius [m] and excess inclination [m/s] leaves over.
 
     The node, and in and across the plane at either end [m/s].
     """
@@ -103,14 +103,14 @@ def parts_with(ends: Ends, radius: float, tilt: float) -> tuple[float, float, fl
 
 @kernel
 def cost_with(ends: Ends, radius: float, tilt: float) -> float:
-    """ΔV to be least, with a drift orbit of a radius [m] and an excess inclination [m/s]."""
+    """ΔV to minimise, with a drift orbit of some radius [m] and excess inclination [m/s]."""
     node, one, other, tilt, left = parts_with(ends, radius, tilt)
     return math.hypot(node, math.hypot(one, tilt) + math.hypot(other, left))
 
 
 @kernel
 def price_with(ends: Ends, radius: float, tilt: float) -> float:
-    """ΔV that is charged: by free burns with what Δe across the line of the turn asks for."""
+    """ΔV that is charged: by free burns including the part of Δe across the line of the turn."""
     node, one, other, tilt, left = parts_with(ends, radius, tilt)
     whole = cost_with(ends, radius, tilt)
     if not ends.free or ends.shape == 0.0:
@@ -181,7 +181,7 @@ def least_of_all(ends: Ends, low: float, high: float) -> float:
 
 @kernel
 def freest(ends: Ends, low: float, high: float) -> float:
-    """The same where eccentricities cost nothing beside changes of size as well [m].
+    """Radius of the cheapest drift orbit where changes of size absorb eccentricity [m].
 
     Those drift orbits are looked at apart: they may be few, and where inclinations move the node
     for months there is more than one valley.

@@ -49,7 +49,7 @@ def short_cost(
     sequence: StatedSequence,
     circles: float,
 ) -> float:
-    """ΔV of a short leg, approach included, as the rule of transfers has it [m/s].
+    """ΔV of a short leg by the instance's transfer rule, approach included [m/s].
 
     Written out once more, with vectors where the kernels have angles. Perigees and nodes are those
     at the departure.

@@ -16,7 +16,7 @@ from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 def check_costs(
     delta_v: float, shape: float, number: int, leg: Leg, tolerance: float = DELTA_V_TOLERANCE_M_S
 ) -> Iterator[Violation]:
-    """Check ΔV, and its part for matching eccentricity vectors, against recomputed values [m/s]."""
+    """Check ΔV, and its share for matching eccentricities, against recomputed values [m/s]."""
     if abs(leg.delta_v_m_s - delta_v) > tolerance:
         yield Violation(
             number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
@@ -62,7 +62,7 @@ def check_times(
     span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
     if not 0.0 < span <= longest + TIME_TOLERANCE_S:
         yield Violation(
-            number, "drift", f"drifts for {span!r} s, but may for at most {longest!r} s"
+            number, "drift", f"drifts for {span!r} s, but may drift for at most {longest!r} s"
         )
         return False
     if leg.departure_s < free - SLACK_S:

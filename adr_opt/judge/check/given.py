@@ -97,7 +97,7 @@ def _by_function(
         yield Violation(
             number,
             "arrival",
-            f"who leaves {ends} at {leg.departure_s!r} arrives at {arrival!r}, not at "
+            f"leaving {ends} at {leg.departure_s!r} arrives at {arrival!r}, not at "
             f"{leg.arrival_s!r}",
         )
         arrival = leg.arrival_s
@@ -114,7 +114,7 @@ def _by_function(
 
 
 def _arrival(function: Function, departure_s: float) -> float:
-    """When somebody arrives who leaves at a time; at a jump, by then [s]."""
+    """Arrival for a departure by the function of a pair; at a jump, the earlier one [s]."""
     after = int(np.searchsorted(function.departure, departure_s, side="left"))
     if after in (0, function.departure.size):
         return float(function.arrival[min(after, function.departure.size - 1)])
@@ -126,7 +126,7 @@ def _arrival(function: Function, departure_s: float) -> float:
 
 
 def _alike(given: Given, leg: Leg) -> tuple[IntArray, BoolArray, BoolArray, IntArray]:
-    """Rows between the bodies of a leg; which leave and which land with it; those that are it."""
+    """Given rows between a leg's bodies: with its departure, with its arrival, and with both."""
     known = {name: at for at, name in enumerate(given.names)}
     i, j = known.get(leg.origin, -1), known.get(leg.destination, -1)
     # Rows are in order of origins, and those of an origin in order of destinations.

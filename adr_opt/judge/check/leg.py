@@ -98,7 +98,7 @@ class Physics(NamedTuple):
     pieced: dict[int, Towed]
 
     def leaving(self, i: int, time_s: float) -> npt.NDArray[np.float64]:
-        """A body as it is left at a time, shape (columns + 1,)."""
+        """Row of a body as a chaser leaves it at a time, shape (columns + 1,)."""
         row: npt.NDArray[np.float64] = self.left[i]
         return self.pieced[i].left_at(time_s) if i in self.pieced else row
 
@@ -173,7 +173,7 @@ def check_transfer(
         yield Violation(
             number,
             "zone",
-            "touches the edge of a keep-out zone while that is closed; edges belong to zones",
+            "touches the edge of a keep-out zone while the zone is closed; edges belong to zones",
         )
     times, vectors, phases = burn_kernels.burns(
         origin, destination, pair, rule, sequence.departure, sequence.laps, sequence.radius
@@ -195,7 +195,12 @@ def _check_launch(
     if not is_first:
         yield Violation(number, "launch", f"launched at {leg.origin!r}, where no launch starts")
     elif leg.kind != LAUNCH.name:
-        yield Violation(number, "launch", f"{leg.kind!r}, but {leg.origin!r} has no orbit yet")
+        yield Violation(
+            number,
+            "launch",
+            f"is {leg.kind!r}, but its origin {leg.origin!r} is not in orbit yet: the first leg "
+            "must be a launch",
+        )
     if leg.departure_s < free - SLACK_S:
         yield Violation(number, "departure", "leaves before the chaser is ready")
     for name, stated, true in (
@@ -268,7 +273,7 @@ def _check_drifting_planes(
     leg: Leg,
     free: float,
 ) -> Generator[Violation, None, StatedSequence | None]:
-    """Check a leg where nodes drift: its line of nodes is that of its turn and sequence."""
+    """Check a leg between drifting planes: its turn is at the line of nodes of its departure."""
     laps, departure = leg.phasing_revolutions, leg.departure_s
     stand_off = leg.arrival_s - rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
     flight = stand_off - departure

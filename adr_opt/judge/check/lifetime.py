@@ -26,11 +26,11 @@ STEP, MOST_STEPS = 0.05, 20_000
 """Fall of the perigee in a step, in scale heights of the air, and the number of steps."""
 
 CONTROLLED_M, AIMED_M = 60e3, 1.0
-"""Highest perigee of an object that comes down at once, and what rounding adds to it [m]."""
+"""Highest perigee from which an object re-enters at once, and its tolerance for rounding [m]."""
 
 BEYOND, NEAR = 1.01, 0.95
-"""Shares of the longest lifetime: above one an object outstays it, and below the other planners,
-whose closed form is up to a few per cent high, do not find that either."""
+"""Shares of the longest lifetime: above the first, an object stays too long; below the second,
+planners, whose closed form is up to a few per cent high, do not reject it either."""
 
 
 def check_lifetime(
@@ -51,7 +51,7 @@ def check_lifetime(
         yield Violation(
             number,
             "lifetime",
-            f"{target.name!r} is released where it stays in orbit longer than "
+            f"{target.name!r} is released on an orbit where it stays longer than "
             f"{instance.mission.max_lifetime_years:g} years",
         )
     if target is not None and is_uncontrolled(instance, target, towed, CONTROLLED_M + AIMED_M):
@@ -64,7 +64,7 @@ def check_lifetime(
 
 
 def is_uncontrolled(instance: Instance, target: Target, towed: Towed | None, most_m: float) -> bool:
-    """Whether an object that is too heavy for that is released with its perigee above a height."""
+    """Whether an object too heavy for uncontrolled re-entry is released above a perigee."""
     most_kg, apsides = instance.mission.max_uncontrolled_kg, _released_m(target, towed)
     if most_kg is None or apsides is None:
         return False
@@ -73,7 +73,7 @@ def is_uncontrolled(instance: Instance, target: Target, towed: Towed | None, mos
 
 
 def _released_m(target: Target, towed: Towed | None) -> tuple[float, float] | None:
-    """Radii of perigee and apogee that an object is left on, if it is [m]."""
+    """Radii of perigee and apogee on which an object is released; None if it is not [m]."""
     if towed is not None:
         return towed.released_m
     is_stated = target.removal == "kit" and target.disposal is not None

@@ -39,7 +39,7 @@ TIMES = 1e-5
 """Tolerance on the durations of arcs, as a share of the leg."""
 
 SMALL_M_S = 1.0
-"""Change of the plane below which its place is not checked: it is any one without a change."""
+"""Change of plane below which its place is not checked: without a change, any place will do."""
 
 
 def check_low_thrust(
@@ -64,7 +64,7 @@ def check_low_thrust(
     """
     as_stated = leg.arrival_s, leg.delta_v_m_s
     if drive is None:
-        yield Violation(number, "kind", "is of low thrust, but its chaser has none")
+        yield Violation(number, "kind", "is a low-thrust leg, but its chaser has no low thrust")
         return as_stated
     if not (yield from check_times(instance, number, leg, free)):
         return as_stated
@@ -99,7 +99,7 @@ def _errors(
     leg: Leg,
     arcs: tuple[LowThrustArc, LowThrustArc],
 ) -> Iterator[tuple[float, float, str]]:
-    """Errors of a leg's arcs, how large they may be, and what they are of."""
+    """Errors of a leg's arcs, each with its tolerance and the beginning of its message."""
     nearer = ends_of(*ends, rule, leg.departure_s, leg.arrival_s)
     one, other = arcs
     for arc in arcs:
@@ -112,26 +112,30 @@ def _errors(
     yield min(other.start_s - one.end_s, 0.0), TIME_TOLERANCE_S, "the arcs overlap by [s]"
     start, end = math.sqrt(MU_M3_S2 / nearer.radius_i), math.sqrt(MU_M3_S2 / nearer.radius_j)
     sizes = start - end - one.size_m_s - other.size_m_s
-    yield sizes, FIGURE_M_S, "of the size is left [m/s]"
+    yield sizes, FIGURE_M_S, "the change of size is incomplete by [m/s]"
     speed = start - one.size_m_s
     slowest, fastest = math.sqrt(MU_M3_S2 / rule.max_radius), math.sqrt(MU_M3_S2 / rule.min_radius)
     beyond = max(slowest - speed, speed - fastest, 0.0)
     yield beyond, FIGURE_M_S, "the drift orbit is beyond the altitude limits by [m/s]"
     tilts = [math.radians(arc.inclination_deg) for arc in arcs]
     left = nearer.inclination_j - nearer.inclination_i - sum(tilts)
-    yield nearer.speed * left, FIGURE_M_S, "of the inclination is left [m/s]"
+    yield nearer.speed * left, FIGURE_M_S, "the change of inclination is incomplete by [m/s]"
     nodes = [math.radians(arc.raan_deg) for arc in arcs]
     times = one.end_s - one.start_s, other.end_s - other.start_s
     wanted = float(node_to_turn(nearer, times, speed, nearer.speed * tilts[0]))
     turns = round((sum(nodes) - wanted) / (2.0 * math.pi))
     still = wanted + 2.0 * math.pi * turns - sum(nodes)
-    yield nearer.speed * nearer.sine * still, NODE_M_S, "of the node is left [m/s]"
+    yield (
+        nearer.speed * nearer.sine * still,
+        NODE_M_S,
+        "the change of the node is incomplete by [m/s]",
+    )
     whole = nearer._replace(
         node=nearer.node + 2.0 * math.pi * turns,
         ahead=nearer.ahead + nearer.cosine * 2.0 * math.pi * turns,
     )
     laps = float(laps_at(whole, times, speed))
-    yield laps - round(laps), LAPS, "laps from a whole number:"
+    yield laps - round(laps), LAPS, "the laps differ from a whole number by"
     yield from _costs(
         _steered(instance, ends, rule, drive, leg, whole, one.window_deg), whole, leg, arcs
     )
@@ -140,7 +144,7 @@ def _errors(
 def _costs(
     steered: Steered, whole: Ends, leg: Leg, arcs: tuple[LowThrustArc, LowThrustArc]
 ) -> Iterator[tuple[float, float, str]]:
-    """Errors of ΔV, places and durations of arcs, by what they change."""
+    """Errors of the ΔV, places and durations of arcs, recomputed from their changes."""
     forms = []
     for arc in arcs:
         tilt = whole.speed * math.radians(arc.inclination_deg)
@@ -157,11 +161,15 @@ def _costs(
     for arc, cost in zip(arcs, costs, strict=True):
         yield arc.delta_v_m_s - cost, LOW_THRUST_TOLERANCE_M_S, "ΔV of an arc is off by [m/s]"
     stated = math.fsum(arc.delta_v_m_s for arc in arcs) - leg.delta_v_m_s
-    yield stated, FIGURE_M_S, "the arcs' ΔV is more than that of the leg by [m/s]"
+    yield stated, FIGURE_M_S, "the arcs' ΔV exceeds the leg's by [m/s]"
     times = tuple(arc.end_s - arc.start_s for arc in arcs)
     needed, _ = settled((times[0], times[1]), steered, costs[0], costs[1])
     for time, least in zip(times, needed, strict=True):
-        yield time - least, TIMES * whole.span, "an arc takes longer than its thrust by [s]"
+        yield (
+            time - least,
+            TIMES * whole.span,
+            "the duration of an arc differs from that of its thrust by [s]",
+        )
 
 
 def _steered(

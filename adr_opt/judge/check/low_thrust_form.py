@@ -114,7 +114,7 @@ def ramp(ends: Ends, one: float, other: float, i_one: float, i_other: float) -> 
 
 @kernel
 def laps_at(ends: Ends, times: tuple[float, float], speed: float) -> float:
-    """Laps gained beyond those that meet the target: whole where it is met."""
+    """Laps gained relative to the target: a whole number where the chaser meets it."""
     start, end = math.sqrt(MU_M3_S2 / ends.radius_i), math.sqrt(MU_M3_S2 / ends.radius_j)
     coasting = ends.span - ends.approach - times[0] - times[1]
     gained = times[0] * ramp(ends, start, speed, 0.0, 0.0)[1]
@@ -125,7 +125,7 @@ def laps_at(ends: Ends, times: tuple[float, float], speed: float) -> float:
 
 @kernel
 def node_to_turn(ends: Ends, times: tuple[float, float], speed: float, tilt: float) -> float:
-    """What the arcs have to turn of the node, beyond its motion on ramps and drift [rad]."""
+    """Change of the node that the arcs have to make, beyond its own drift during the leg [rad]."""
     start, end = math.sqrt(MU_M3_S2 / ends.radius_i), math.sqrt(MU_M3_S2 / ends.radius_j)
     turned = ends.inclination_i + tilt / ends.speed
     coasting = ends.span - ends.approach - times[0] - times[1]
@@ -140,7 +140,7 @@ def node_to_turn(ends: Ends, times: tuple[float, float], speed: float, tilt: flo
 def arc_costs(
     ends: Ends, steered: Steered, times: tuple[float, float], speed: float, tilt: float
 ) -> tuple[float, float, float]:
-    """What is least, and ΔV of both arcs [m/s].
+    """The quantity to minimise, and the ΔV of both arcs [m/s].
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def arc_costs(
 
 @kernel
 def settled(times: tuple[float, float], steered: Steered, first: float, second: float):  # type: ignore[no-untyped-def]
-    """Times of thrust for the ΔV of both arcs, and how far they are from those before [s]."""
+    """Times of thrust for the ΔV of both arcs, and their change from the previous round [s]."""
     flow = steered.exhaust / steered.acceleration
     lighter = math.exp(-first / steered.exhaust)
     one = flow * (1.0 - lighter) / steered.shares[0]

@@ -30,15 +30,15 @@ from .low_thrust_windows import steered_in
 FloatArray = npt.NDArray[np.float64]
 
 LONGER_S = 150.0 * DAY_S
-"""Legs that are longer may turn the node by a whole turn more or less [s]."""
+"""Duration above which a leg may turn the node by one more or one less whole turn [s]."""
 
 ROUNDS, FURTHER = 400, 8
 """Maximum number of rounds in which times of thrust settle, and number of laps beyond the two about
 the optimum of free phase that are tried."""
 
 ROUNDED_M_S = 0.02
-"""Rounding of the tips of both arcs' parts in the optimum of free phase: where many splits cost the
-same, it is in their middle [m/s]."""
+"""Smoothing of the tips of both arcs' parts in the free-phase optimum: where many splits cost the
+same, the optimum is in their middle [m/s]."""
 
 SPEEDS, TILTS = 40, 24
 """Number of intervals of speeds and of inclinations that are searched for the optimum."""
@@ -48,7 +48,7 @@ SPEEDS, TILTS = 40, 24
 def least_tilt(
     ends: Ends, steered: Steered, times: tuple[float, float], speed: float, about: float, far: float
 ) -> float:
-    """The best change of inclination by the first arc, from some about one to golden section."""
+    """The best change of inclination by the first arc: samples, then golden section."""
     step, best, least = 2.0 * far / TILTS, 0, math.inf
     for number in range(TILTS + 1):
         found = arc_costs(ends, steered, times, speed, about - far + number * step)[0]

@@ -1,4 +1,4 @@
-"""Windows of low thrust, and what eccentricities ask for, stated once more for the judge.
+"""Windows of low thrust, and the cost of eccentricities, stated once more for the judge.
 
 That of :mod:`adr_opt.kernels.legs.low_thrust_windows` and
 :mod:`adr_opt.kernels.legs.low_thrust_windows`, with the circle summed up piece by piece.
@@ -26,7 +26,7 @@ PIECES = 2000
 
 
 class Shape(NamedTuple):
-    """What arcs have to do besides for the eccentricity vector.
+    """Demand of the eccentricity vectors on both arcs.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ def windows_of(window: float, place: float, middle: float, half: float) -> LitWi
 def steered_in(
     window: float, leg: Ends, places: FloatArray, part: float, shadows: tuple[Vector, Vector]
 ) -> tuple[float, Vector, Shape]:
-    """κ of a leg, shares of its windows, and what eccentricities ask for.
+    """κ of a leg, thrusting shares of its windows, and the demand of eccentricities.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def _turned(angle: float) -> FloatArray:
 
 @kernel
 def with_shape(form: float, shape: Shape, first: float, second: float) -> float:
-    """ΔV with what eccentricities ask for, for what arcs take off the speed [m/s]."""
+    """ΔV including eccentricities, from the arcs' reductions of speed [m/s]."""
     (x_1, y_1), (x_2, y_2) = shape.pumped
     x = shape.still[0] - x_1 * first - x_2 * second
     y = shape.still[1] - y_1 * first - y_2 * second

@@ -1,4 +1,4 @@
-"""How near an approach comes to its target if a burn is missed, by a flight of the judge's own.
+"""Least distance of an approach to its target if a burn is missed, by the judge's own flight.
 
 Chaser and target fall freely in the field of a flattened Earth, whatever the instance's dynamics.
 A chaser that misses a burn makes none after it.
@@ -22,10 +22,10 @@ from .violation import Violation
 Array = npt.NDArray[np.float64]
 
 STEPS = 90
-"""Steps of a revolution."""
+"""Integration steps per revolution."""
 
 SPARE_M = 1.0
-"""What the distance kept may lack, for steps and for the rounding of burns."""
+"""Tolerance on the distance kept, for the step length and the rounding of burns [m]."""
 
 CAPTURE_REVOLUTIONS = 0.5
 """Last part of an approach, into the target."""
@@ -45,7 +45,7 @@ def _rates(states: Array) -> Array:
 
 
 def _moved(states: Array, step_s: Array | float) -> Array:
-    """The states a step later, by the classical method of Runge and Kutta."""
+    """The states a step later, by the classical Runge–Kutta method."""
     first = _rates(states)
     second = _rates(states + 0.5 * step_s * first)
     third = _rates(states + 0.5 * step_s * second)
@@ -55,13 +55,13 @@ def _moved(states: Array, step_s: Array | float) -> Array:
 
 
 Burning = Callable[[int, Array], Array]
-"""From the number of a burn and states before it, (..., approaches, 6), to impulses [m/s]."""
+"""Impulses [m/s] of a burn by its number and the states before it, (..., approaches, 6)."""
 
 
 def flights(
     target: Array, chaser: Array, times_s: Array, burn: Burning, until_s: Array
 ) -> Iterator[tuple[Array, Array, Array]]:
-    """Fly approaches, each burn missed in turn, and with it all after it.
+    """Fly approaches with each burn missed in turn, together with all burns after it.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def nearest_m(
 
 
 def rule_of(rows: Array, motion: Array) -> Burning:
-    """Burns of an approach as they are made: in the plane across and along the velocity.
+    """Burns of an approach in the chaser's axes: along and across the velocity, and normal.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def rule_of(rows: Array, motion: Array) -> Burning:
 
 
 def begun(orbits: Array, standoff_m: float) -> tuple[Array, Array, Array]:
-    """Targets, chasers at rest behind them, and mean motions with axes, from elements.
+    """States of targets and of chasers at rest behind them, with mean motions and axes.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def elements_at(row: Array, time_s: float) -> tuple[float, ...]:
 
 
 def violations(number: int, name: str, least_m: Array, keep_out_m: float) -> Iterator[Violation]:
-    """The burn of an approach whose miss leads nearest to the target, if it leads too near."""
+    """The missed burn of an approach that leads nearest to the target, if too near."""
     worst = int(np.argmin(least_m))
     if not least_m[worst] >= keep_out_m - SPARE_M:
         yield Violation(

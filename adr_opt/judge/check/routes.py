@@ -110,7 +110,9 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         now = _Followed(chaser.start_name, free, tank, chaser, drawn)
         if chaser.kits is not None and kits > chaser.kits:
             yield Violation(
-                None, "kits", f"{chaser.name!r} leaves {kits} kits, but may carry {chaser.kits}"
+                None,
+                "kits",
+                f"{chaser.name!r} leaves {kits} kits at targets, but may carry {chaser.kits}",
             )
         drive = drive_of(chaser, instance.targets)
         if drive not in physics:
@@ -191,7 +193,7 @@ def _check_route(
 def _check_order(
     bodies: _Bodies, now: _Followed, visited: set[str], number: int, leg: Leg
 ) -> Generator[Violation, None, bool]:
-    """Check that a leg starts at the chaser and goes to an allowed body; returns whether it does.
+    """Check that a leg starts where the chaser is and goes to an allowed body; returns whether.
 
     Nothing after a leg that leads nowhere has a state to be checked against.
     """
@@ -208,7 +210,11 @@ def _check_order(
         return False
     if leg.destination in bodies.stations:
         if now.since_refuelling == 0:
-            yield Violation(number, "refuelling", "no target was visited since the last refuelling")
+            yield Violation(
+                number,
+                "refuelling",
+                "refuels again, but no target was visited since the last refuelling",
+            )
     elif leg.destination not in bodies.windows:
         yield Violation(number, "order", f"{leg.destination!r} is neither a target nor a station")
     else:
@@ -225,7 +231,7 @@ def _check_order(
 
 
 def _check_mass(tank: TankLevel, number: int, leg: Leg) -> Iterator[Violation]:
-    """Vent what a leg says, and check that the chaser is then no heavier than the leg allows."""
+    """Vent the stated propellant, and check that the chaser is then light enough for the leg."""
     if leg.vented_kg is not None:
         if leg.vented_kg > tank.propellant_kg + MASS_TOLERANCE * (tank.mass_kg or 0.0):
             yield Violation(
@@ -253,7 +259,8 @@ def _check_leg_time(
         yield Violation(
             number,
             "leg-time",
-            f"arrives {arrival - now.arrived!r} s after the arrival before, but may take {most!r}",
+            f"arrives {arrival - now.arrived!r} s after the previous arrival, but may take "
+            f"{most!r} s",
         )
 
 
@@ -303,12 +310,12 @@ def _check_service(
         ("window", begin + capture, closes),
     ):
         if last is not None and ends > last + SLACK_S:
-            yield Violation(number, rule, f"ends at {ends!r} s, after {last!r} s")
+            yield Violation(number, rule, f"ends at {ends!r} s, later than the limit of {last!r} s")
     return end
 
 
 def begin_of(intervals: FloatArray, arrival: float, capture: float) -> float:
-    """Begin of a stay: the first from arrival on whose capture lies within an interval.
+    """Start of a stay: the earliest after arrival whose capture lies within an interval.
 
     Where there is none, as if the first interval did not end.
     """
@@ -356,7 +363,9 @@ def _check_tank(
         tank.tow(towed.delta_v_m_s, towed.mass_kg, towed.back_m_s)
         if tank.left_m_s < -SLACK_M_S:
             yield Violation(
-                number, "delta-v", f"tows {leg.destination!r}, but has too little left for that"
+                number,
+                "delta-v",
+                f"tows {leg.destination!r}, but has too little ΔV left for the tow",
             )
     left = tank.left_m_s
     if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:

@@ -26,7 +26,7 @@ STEADY_RAD = 0.2
 fixed-point steps of planning or flying may not find it [rad]."""
 
 LEAVING_S = 2.0 * 17.0
-"""Time before another piece of a tow from apogee begins in which no sequence need leave [s]."""
+"""Time before the next piece of a tow from apogee in which no sequence need leave [s]."""
 
 NEAREST_RAD = 1e-4
 """Least angle between planes at departure for which a sequence must be present: below it, the
@@ -63,7 +63,7 @@ class _Found(NamedTuple):
 def ways_after(
     instance: Instance, physics: Physics, drive: Drive | None, i: int, j: int, time: float
 ) -> Iterator[Way]:
-    """Ways that must be present at the next event after a time; all later rows if given.
+    """Transfers that must be present at the next event after a time; of given ones, all later rows.
 
     Of low thrust some of them, of chasers with the least and with the largest mass by turns.
 
@@ -158,7 +158,7 @@ def _limits(pair: co_elliptic.Pair, laps: int) -> tuple[float, float]:
 def _crossings(
     pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, departure: float, met: float
 ) -> Iterator[tuple[int, int, float]]:
-    """Number, k and time of all crossings where the target may be met, and of one more either way.
+    """Number, k and time of all crossings where the target may be met, and one more on either side.
 
     They are whole laps from one of them.
     """

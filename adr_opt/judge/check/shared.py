@@ -48,8 +48,8 @@ def check_apart(instance: Instance, plan: Plan) -> Iterator[Violation]:
             yield Violation(
                 None,
                 "separation",
-                f"{after!r} is launched {launch - over!r} s after the mission of {before!r}, which "
-                f"must be {apart!r} s before",
+                f"{after!r} is launched {launch - over!r} s after the mission of {before!r} has "
+                f"ended, but must be at least {apart!r} s after it",
             )
 
 

@@ -48,7 +48,7 @@ class TankLevel:
 
     @property
     def _empty_kg(self) -> float:
-        """Mass of the chaser with the propellant alone that it keeps for its own disposal."""
+        """Mass of the chaser with no propellant but the reserve for its own disposal."""
         assert isinstance(self._tank, TankByMass)
         burnt = 1.0 - math.exp(-self._kept_m_s / self._tank.exhaust_m_s)
         return self._dry_kg + self._tank.dry_mass_kg * burnt / (1.0 - burnt)

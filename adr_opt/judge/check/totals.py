@@ -87,13 +87,13 @@ def difference_of(instance: Instance) -> float:
 
 
 def check_model(plan: Plan) -> Iterator[Violation]:
-    """Refuse drift legs that were planned by the former model, without a cost of phasing."""
+    """Refuse drift legs planned by the former model, in which phasing cost nothing."""
     if plan.has_former_drifts:
         yield Violation(
             None,
             "model",
-            f"its drift legs are of version {plan.model} of the model, in which phasing "
-            "was free; plan anew",
+            f"its drift legs were planned with version {plan.model} of the model, in which phasing "
+            "was free; plan again",
         )
 
 
@@ -159,7 +159,7 @@ def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
 
 
 def _off(figure: float, difference: float) -> float:
-    """Tolerance of a figure, less than the difference to another objective."""
+    """Tolerance of a figure, smaller than the least difference between objectives."""
     return min(OBJECTIVE_TOLERANCE * abs(figure), 0.25 * difference)
 
 

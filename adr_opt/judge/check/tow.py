@@ -18,8 +18,8 @@ from .zone_crossings import KEPLER_STEPS, ZonedArc
 FloatArray = npt.NDArray[np.float64]
 
 RELEASE_SPARE_M, PLACES = 500.0, 24
-"""How much nearer than the limit a release has to be for all places of an orbit [m], and the number
-of places."""
+"""Margin on the error of a release that covers all places of an orbit [m], and the number of
+places."""
 
 
 def check_tow(
@@ -59,7 +59,7 @@ def check_tow(
         ("end_s", leg.tow.end_s, last),
     ):
         if abs(stated_s - true) > TIME_TOLERANCE_S:
-            yield Violation(number, "tow", f"{name} = {stated_s!r} of the tow, but it is {true!r}")
+            yield Violation(number, "tow", f"{name} of the tow = {stated_s!r}, but it is {true!r}")
     if abs(leg.tow.delta_v_m_s - towed.delta_v_m_s) > DELTA_V_TOLERANCE_M_S:
         yield Violation(
             number,
@@ -68,11 +68,11 @@ def check_tow(
         )
     if towed.slower is None:
         if leg.tow.burns:
-            yield Violation(number, "tow", "is a spiral, which has no burns")
+            yield Violation(number, "tow", "the tow is a spiral, which has no burns")
         return
     phases = ["tow", "return" if towed.back_m_s > 0.0 else "tow"][: len(towed.slower)]
     if [burn.phase for burn in leg.tow.burns] != phases:
-        yield Violation(number, "tow", f"must have burns of the phases {', '.join(phases)}")
+        yield Violation(number, "tow", f"the tow must have burns of the phases {', '.join(phases)}")
         return
     begins_s = towed.begins_s(last)
     times = begins_s, begins_s + towed.flight_s
@@ -91,7 +91,7 @@ def check_tow(
 
 
 def release_off_m(towed: Towed, apsides_m: tuple[float, float]) -> float:
-    """How far perigee and apogee of a release are off; of a lowered perigee that one alone [m]."""
+    """Errors of perigee and apogee of a release; of a lowered perigee, that error alone [m]."""
     off = [abs(is_ - due) for is_, due in zip(apsides_m, towed.released_m, strict=True)]
     return off[0] if towed.released_m[0] < towed.released_m[1] else max(off)
 
@@ -114,7 +114,7 @@ def may_end_far(towed: Towed, time_s: float, oblateness_m2: float) -> bool:
 def released_between(
     towed: Towed, times: tuple[float, float], oblateness_m2: float
 ) -> tuple[float, float]:
-    """Radii of perigee and apogee of an object that burns along the motion lead to its release [m].
+    """Radii of perigee and apogee on which tangential burns release an object [m].
 
     It begins on its true orbit, as large as that is by then.
     """

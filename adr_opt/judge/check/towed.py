@@ -1,4 +1,4 @@
-"""Towed objects as the judge knows them: what tows cost, how long they take, where they lead."""
+"""Towed objects, recomputed by the judge: cost and duration of tows, and orbits of release."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Towed(NamedTuple):
     oblateness_m2: float
 
     def begins_s(self, ends_s: float) -> float:
-        """First burn of a tow that is over by a time: as long before, or at an apogee [s]."""
+        """First burn of a tow that has to end by a time; at an apogee if it must be [s]."""
         begins_s = ends_s - self.flight_s
         if not self.period_s:
             return begins_s
@@ -89,7 +89,7 @@ class Towed(NamedTuple):
         return begins_s - (past - math.floor(past + SAME_LAP)) * self.period_s
 
     def left_at(self, time_s: float) -> FloatArray:
-        """Row of a body that is where the chaser is that leaves at a time, shape (columns + 1,)."""
+        """Row of a body at the place of a chaser that leaves at a time, shape (columns + 1,)."""
         if not self.period_s:
             return self.left
         begun_s, (axis, shape) = self.begins_s(time_s), self.left_on

@@ -20,7 +20,7 @@ from ...problem.orbit import Orbit
 from ...problem.settings import KeepOutZone
 
 MARGIN_M, MARGIN_S = 1.0, 1e-2
-"""Depth inside a zone from which a leg is reported: beyond what `check` tolerates in burns."""
+"""Depth inside a zone from which a leg is reported: more than the tolerance on burns [m]."""
 
 SAMPLES = 24
 """Number of sampled times per arc, ends included.

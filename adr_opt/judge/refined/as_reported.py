@@ -1,4 +1,4 @@
-"""States that ephemerides report of bodies, read for the judge.
+"""States of bodies from ephemerides, read for the judge.
 
 Element sets are run by the ``sgp4`` package as their OMM says, without the records and tables of
 :mod:`adr_opt.sources`, and turned by the axes of each date. States between those of messages are on
@@ -40,7 +40,7 @@ NAMES: dict[str, FrameName] = {
     "TEMEOFDATE": "TEME",
     "TEMEOFEPOCH": "TEME",
 }
-"""Frames by how messages call them, spaces apart."""
+"""Frames by their names in messages, spaces removed."""
 
 
 def interpolated_states(coverage: Coverage, times_s: Array, epoch: datetime, frame: Frame) -> Array:
@@ -91,7 +91,7 @@ def between(knots: Array, states: Array, times_s: Array, method: str, degree: in
 
 
 def _within(span: Span, times_s: Array, epoch: datetime, frame: Frame) -> Array:
-    """States of a span in a frame."""
+    """States of a span of an ephemeris, converted to a frame."""
     segment = span.segment
     system = segment.fields["TIME_SYSTEM"].upper()
     found = between(span.knots, span.states, times_s, *segment.method)
@@ -149,12 +149,12 @@ class ReportedStates:
         self.bodies = tuple(self._segments or self._elements)
 
     def state(self, body: str, time_s: float) -> Array:
-        """State reported of a body in the frame of the instance, shape (6,) [m, m/s]."""
+        """State of a body by its ephemeris, in the frame of the instance, shape (6,) [m, m/s]."""
         found: Array = self.states(body, np.array([time_s]))[0]
         return found
 
     def states(self, body: str, times_s: Array) -> Array:
-        """States reported of a body at times, shape (times, 6) [m, m/s].
+        """States of a body at times by its ephemeris, shape (times, 6) [m, m/s].
 
         Raises
         ------

@@ -38,7 +38,7 @@ from .world import SAME_M, SAME_M_S, BodyStates, FreeMotion, Towing, begun, onwa
 Array = npt.NDArray[np.float64]
 
 MOST_BEGUN = 1.5
-"""Most that an approach begins with, as a share of what its rule says for a circle."""
+"""Largest first burn of an approach, as a multiple of the one by its rule on a circle."""
 
 SAME_TIME_S = 1e-6
 """Tolerance between the time of a burn and that of the state after it."""
@@ -47,11 +47,11 @@ OSCULATION_M = 10e3
 """Largest depth below the limit of altitude where harmonics act: limits are those of mean radii."""
 
 WATCHED = 24
-"""Number of times in a revolution at which the altitude of a body with an ephemeris is seen."""
+"""Times per revolution at which the altitude of a body with an ephemeris is sampled."""
 
 
 class _Passed(NamedTuple):
-    """An event of a leg as it is flown here: what it is, when, and the state after it."""
+    """An event of a leg in the judge's flight: its name, its time, and the state after it."""
 
     event: str
     time_s: float
@@ -59,7 +59,7 @@ class _Passed(NamedTuple):
 
 
 class _Judge(NamedTuple):
-    """What one leg is judged with."""
+    """Inputs to the judgement of one leg."""
 
     instance: Instance
     world: FreeMotion
@@ -77,7 +77,7 @@ class _Judge(NamedTuple):
 def check_flight(
     instance: Instance, plan: Plan, refined: RefinedPlan, world: FreeMotion, bodies: BodyStates
 ) -> Iterator[Violation]:
-    """Check each leg by flying it, and the tows beside it."""
+    """Check each leg, and the tows before and after it, by flying them."""
     owners = {number: chaser for chaser, legs in chasers_of(instance, plan) for number, _ in legs}
     masses, heights = planned_masses(instance, plan), Heights(instance)
     for leg in refined.legs:
@@ -95,7 +95,7 @@ def check_flight(
 
 
 def _check_masses(judge: _Judge) -> Iterator[Violation]:
-    """Check the masses that low thrust is refined with against those of the plan."""
+    """Check the masses assumed for low thrust against those of the plan."""
     drive = drive_of(judge.chaser, judge.instance.targets)
     if drive is None:
         return
@@ -182,7 +182,7 @@ def _flown(judge: _Judge) -> tuple[list[_Passed], float, float]:
 
 
 def _check_begun(judge: _Judge) -> Iterator[Violation]:
-    """Check that the approach begins as its rule has it, but for what the eccentricity changes."""
+    """Check that the approach begins by its rule, apart from the effect of eccentricity."""
     leg, target = judge.leg, judge.bodies.state(judge.leg.destination, judge.leg.standoff_s)
     axis = 1.0 / (2.0 / math.hypot(*target[:3]) - float(target[3:] @ target[3:]) / MU_M3_S2)
     rule = math.sqrt(MU_M3_S2 / axis**3) * math.hypot(
@@ -193,12 +193,12 @@ def _check_begun(judge: _Judge) -> Iterator[Violation]:
         yield Violation(
             leg.leg,
             "approach",
-            f"approach_m_s: it begins with {begins:.3g} m/s, but by its rule with {rule:.3g} m/s",
+            f"approach_m_s: the first burn is {begins:.3g} m/s, but by the rule {rule:.3g} m/s",
         )
 
 
 def _check_missed(judge: _Judge, passed: list[_Passed]) -> Iterator[Violation]:
-    """Check the stated burns of a safety ellipse, each up to the capture missed in turn."""
+    """Check the burns of a safety ellipse, with each one before the capture missed in turn."""
     leg, settings = judge.leg, judge.instance.transfer
     share = CAPTURE_REVOLUTIONS / approach_of(settings).revolutions
     until_s = leg.arrival_s - share * (leg.arrival_s - leg.standoff_s) + SAME_TIME_S
@@ -221,14 +221,18 @@ def _check_missed(judge: _Judge, passed: list[_Passed]) -> Iterator[Violation]:
 
 
 def _check_states(leg: RefinedLeg, passed: list[_Passed]) -> Iterator[Violation]:
-    """Check that states stand at all events, and follow from the burns."""
+    """Check that each event has a state, and that states follow from the burns."""
     stated = [(one.event, one.time_s) for one in leg.states]
     true = [(one.event, one.time_s) for one in passed]
     if [event for event, _ in stated] != [event for event, _ in true] or any(
         abs(stated_s - true_s) > SAME_TIME_S
         for (_, stated_s), (_, true_s) in zip(stated, true, strict=True)
     ):
-        yield Violation(leg.leg, "state", "its states are not those at its departure and burns")
+        yield Violation(
+            leg.leg,
+            "state",
+            "its states must be those at its departure and after each of its burns",
+        )
         return
     for number, (one, known) in enumerate(zip(leg.states, passed, strict=True), start=1):
         yield from _off(
@@ -237,7 +241,7 @@ def _check_states(leg: RefinedLeg, passed: list[_Passed]) -> Iterator[Violation]
 
 
 def _off(number: int, rule: str, stated: Array, true: Array, what: str) -> Iterator[Violation]:
-    """A state that is not where it should be."""
+    """Violation by a state that differs from the recomputed one."""
     far, fast = math.dist(stated[:3], true[:3]), math.dist(stated[3:], true[3:])
     if not (far <= SAME_M and fast <= SAME_M_S):
         yield Violation(number, rule, f"is {far:.3g} m and {fast:.3g} m/s off {what}")
@@ -250,7 +254,11 @@ def _check_released(
     number = judge.leg.leg
     yield from _off(number, "release", _array(tow.released), led.state, "where the tow leads")
     if tow.released.event != "release":
-        yield Violation(number, "release", f"its state is called {tow.released.event!r}")
+        yield Violation(
+            number,
+            "release",
+            f"the event of its state must be 'release', and is {tow.released.event!r}",
+        )
     if not judged:
         return
     disposal = judge.instance.disposal_of(judge.target(name))
@@ -285,7 +293,7 @@ def _lap(judge: _Judge, state: Array, tow: RefinedTow) -> float:
 
 
 def _lowest_docked(judge: _Judge, start: Array) -> float:
-    """Least radius beside the origin before the leg, and beside the destination after it [m]."""
+    """Least radius while docked: at the origin before the leg, at the destination after it [m]."""
     bodies, leg = judge.bodies, judge.leg
     until_s = leg.end_s if leg.tow is None else leg.tow.start_s
     spans = [(leg.destination, leg.arrival_s, until_s)]
@@ -312,7 +320,7 @@ def _radii(states: Array) -> Array:
 
 
 def _check_limits(judge: _Judge, lowest_m: float, shadow_s: float) -> Iterator[Violation]:
-    """Check the altitude of all arcs, thrust in the shadow, and what is set aside for holding."""
+    """Check the altitude of all arcs, thrust in the shadow, and the ΔV reserved for holding."""
     leg = judge.leg
     least_m = min(judge.heights.least_m(name) for name in (leg.origin, leg.destination))
     spare_m = OSCULATION_M if judge.world.zonals.any() else SAME_M
@@ -331,7 +339,7 @@ def _check_limits(judge: _Judge, lowest_m: float, shadow_s: float) -> Iterator[V
             yield Violation(
                 leg.leg,
                 "holding",
-                f"holding beside bodies takes {needed:.3g} m/s, and it states "
+                f"holding beside bodies takes {needed:.3g} m/s, but holding_m_s = "
                 f"{leg.holding_m_s:.3g}",
             )
 

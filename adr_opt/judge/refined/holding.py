@@ -1,4 +1,4 @@
-"""ΔV of holding beside bodies on ephemerides, found by the judge.
+"""ΔV of station-keeping beside bodies on ephemerides, recomputed by the judge.
 
 What a body does besides moving freely is the second difference of its reported positions, less that
 of free motion from its reported state. The difference between its velocity and the derivative of
@@ -23,14 +23,14 @@ APART_S = 120.0
 """Time between the positions of a difference [s]."""
 
 MOST_PLACES = 200
-"""Largest number of places at which a stay is looked at."""
+"""Maximum number of samples of a stay."""
 
 LEAST_SHARE, SPARE_M_S = 0.8, 0.1
-"""Least share of what is found that a leg may state, and what it may state less besides [m/s]."""
+"""Tolerance on a stated figure: least share of the recomputed ΔV, and further shortfall [m/s]."""
 
 
 def found_m_s(reported: ReportedStates, coast: Coast, leg: RefinedLeg) -> float:
-    """ΔV that holding takes in the wait and the service of a leg, by continuous thrust [m/s].
+    """ΔV of station-keeping by continuous thrust during the wait and service of a leg [m/s].
 
     An object that is towed is held beside until the tow begins.
 
@@ -56,7 +56,7 @@ def found_m_s(reported: ReportedStates, coast: Coast, leg: RefinedLeg) -> float:
 
 
 def _mean_m_s2(reported: ReportedStates, coast: Coast, name: str, times: Array) -> float:
-    """Mean acceleration besides that of the field [m/s²]."""
+    """Mean acceleration of a body beyond that of the gravity field [m/s²]."""
     now = reported.states(name, times).T
     off = np.zeros((3, times.size))
     for apart_s in (-APART_S, APART_S):

@@ -90,7 +90,7 @@ def begin_stage(at, step, elements, lost, rates, stage):
 
 @inlined
 def end_step(step, elements, lost, rates):
-    """Advance elements by a step, from the rates of all its stages; what rounding loses is kept."""
+    """Advance elements by a step from the rates of its stages, with compensated summation."""
     for axis in range(6):
         total = 0.0
         for at in range(STAGES):

@@ -15,7 +15,7 @@ PLACES = 144
 """Number of times in a revolution over which elements are averaged."""
 
 STEPS = 2
-"""Steps between two of them."""
+"""Integration steps between two of those times."""
 
 
 class Released(NamedTuple):

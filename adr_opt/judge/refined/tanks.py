@@ -1,4 +1,4 @@
-"""Masses and tanks of a refined plan, followed with what its legs take as they are flown."""
+"""Masses and tanks of a refined plan, followed with the ΔV of its legs as flown."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Masses(NamedTuple):
 
 
 def chasers_of(instance: Instance, plan: Plan) -> Iterator[tuple[Chaser, list[tuple[int, Leg]]]]:
-    """Legs of each chaser after their numbers; where there is one chaser, all are its own."""
+    """Legs of each chaser, by number."""
     numbered = list(enumerate(plan.legs, start=1))
     if len(instance.chasers) == 1:
         yield instance.chasers[0], numbered
@@ -42,7 +42,7 @@ def chasers_of(instance: Instance, plan: Plan) -> Iterator[tuple[Chaser, list[tu
 
 
 def planned_masses(instance: Instance, plan: Plan) -> dict[int, Masses]:
-    """Masses on each leg, by its number: those that low thrust is refined with."""
+    """Planned masses on each leg, by its number: those for which low thrust is refined."""
     found, stations = {}, set(instance.station_names)
     kits = {target.name for target in instance.targets if target.removal == "kit"}
     objects = {target.name: target.mass_kg or 0.0 for target in instance.targets}
@@ -65,7 +65,7 @@ def planned_masses(instance: Instance, plan: Plan) -> dict[int, Masses]:
 def check_tanks(
     instance: Instance, plan: Plan, refined: Mapping[int, RefinedLeg]
 ) -> Iterator[Violation]:
-    """Check that each tank holds what the legs take from it: burns, arcs, tows and holding.
+    """Check that each tank suffices for its legs: burns, arcs, tows and holding.
 
     A leg that is not refined takes what the plan says; that it is missing is said elsewhere.
 
@@ -103,8 +103,8 @@ def check_tanks(
                 yield Violation(
                     number,
                     "delta-v",
-                    f"its tank lacks {lacking:.6g} m/s of what it takes with the legs before it, "
-                    "as they are flown",
+                    f"its tank is {lacking:.6g} m/s short for this leg and those before it, as "
+                    "they are flown",
                 )
                 break
     yield from drawn.violations()

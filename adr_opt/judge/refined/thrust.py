@@ -40,13 +40,13 @@ STEPS = 72
 """Steps per revolution, as of coasts."""
 
 DELTA_V_M_S, PROPELLANT_KG = 1e-5, 1e-6
-"""Tolerances of what is stated of arcs against their windows."""
+"""Tolerances on the stated figures of arcs, against their windows."""
 
 MOST_SHADOW_S = 1.0
 """Longest time of a leg in which thrust may be on in the Earth's shadow [s]."""
 
 MORE_FORCE = 1.0 + 1e-9
-"""Largest force of a leg over that of its chaser."""
+"""Largest ratio of the force on a leg to that of its chaser."""
 
 CENTURY_S = 36525.0 * 86400.0
 
@@ -75,17 +75,17 @@ class ThrustFlown(NamedTuple):
 
 
 def refuse_wrong_thrust(instance: Instance, leg: RefinedLeg, chaser: Chaser) -> None:
-    """Raise :class:`InputError` for thrust that the chaser of a leg has not, or of its tows."""
+    """Raise :class:`InputError` if a leg or its tows have thrust that the chaser does not have."""
     drive = drive_of(chaser, instance.targets)
     if (leg.thrust is None) != (drive is None):
-        has = "no low thrust" if drive is None else "low thrust, and the leg none"
+        has = "no low thrust" if drive is None else "low thrust, but the leg has none"
         raise InputError(f"leg {leg.leg}: {chaser.name!r} has {has}; refine the plan again")
     masses = {target.name: target.mass_kg or 0.0 for target in instance.targets}
     for name, tow in ((leg.origin, leg.tow_before), (leg.destination, leg.tow)):
         if tow is None:
             continue
         if (tow.thrust is None) != (drive is None):
-            has = "no low thrust" if drive is None else "low thrust, and a tow none"
+            has = "no low thrust" if drive is None else "low thrust, but a tow has none"
             raise InputError(f"leg {leg.leg}: {chaser.name!r} has {has}; refine the plan again")
         if tow.thrust is not None and drive is not None:
             _refuse_other_drive(leg.leg, tow.thrust, chaser.name, drive, masses.get(name, 0.0))
@@ -96,11 +96,11 @@ def refuse_wrong_thrust(instance: Instance, leg: RefinedLeg, chaser: Chaser) -> 
 def _refuse_other_drive(
     number: int, thrust: RefinedThrust, name: str, drive: Drive, object_kg: float
 ) -> None:
-    """Raise :class:`InputError` for thrust that a drive does not make, an object attached."""
+    """Raise :class:`InputError` for thrust beyond that of a drive, with or without an object."""
     if thrust.force_n > MORE_FORCE * drive.thrust_n:
         raise InputError(
-            f"leg {number}: force_n = {thrust.force_n!r}: {name!r} has {drive.thrust_n!r} on "
-            "average of its duty cycle"
+            f"leg {number}: force_n = {thrust.force_n!r}: the mean thrust of {name!r} over its "
+            f"duty cycle is {drive.thrust_n!r}"
         )
     if abs(thrust.exhaust_m_s / drive.exhaust_m_s - 1.0) > MORE_FORCE - 1.0:
         raise InputError(
@@ -120,7 +120,7 @@ def _refuse_other_drive(
 
 
 class Course(NamedTuple):
-    """What thrust leads along.
+    """Outcome of a flight with thrust.
 
     Attributes
     ----------
@@ -224,7 +224,7 @@ def _steps(elements: Array, duration: float) -> int:
 
 @kernel
 def _push(elements: Array, steering: Array, acceleration: float, rates: Array) -> None:
-    """Add to the rates of elements what a thrust does to them [m/s²]."""
+    """Add the effect of a thrust [m/s²] to the rates of elements."""
     p, f, g, h, k, longitude = (
         elements[0],
         elements[1],
@@ -254,7 +254,7 @@ def _push(elements: Array, steering: Array, acceleration: float, rates: Array) -
 
 @kernel
 def is_dark(elements: Array, since_j2000: float) -> bool:
-    """Whether a place is in the Earth's shadow, a cylinder, at seconds since J2000."""
+    """Whether a position is in the Earth's cylindrical shadow, at seconds since J2000."""
     centuries = since_j2000 / CENTURY_S
     anomaly = math.radians(357.52911 + 35999.05029 * centuries)
     longitude = 280.46646 + 36000.76983 * centuries

@@ -23,11 +23,11 @@ from .tanks import chasers_of, check_tanks
 from .world import BodyStates, FreeMotion, check_bodies, reported_of
 
 SAME_M_S = 1e-6
-"""Tolerance between ΔV of a plan as it is stated in both files."""
+"""Tolerance between the ΔV of a plan in its own file and in the refined plan's."""
 
 
 def check_identity(instance: Instance, plan: Plan, refined: RefinedPlan) -> Iterator[Violation]:
-    """Check that a refined plan names an instance and a plan."""
+    """Check that a refined plan belongs to an instance and a plan."""
     named = refined.instance
     if not named.is_of(instance):
         yield Violation(
@@ -48,7 +48,7 @@ def check_identity(instance: Instance, plan: Plan, refined: RefinedPlan) -> Iter
 
 
 def check_ephemerides(instance: Instance, refined: RefinedPlan) -> Iterator[Violation]:
-    """Check that a plan refined onto ephemerides is so onto those of the instance."""
+    """Check that a refined plan uses the ephemerides of the instance."""
     its, onto = instance.ephemerides, refined.ephemerides
     if onto is not None and (its is None or (its.kind, its.sha256) != (onto.kind, onto.sha256)):
         yield Violation(
@@ -60,7 +60,7 @@ def check_ephemerides(instance: Instance, refined: RefinedPlan) -> Iterator[Viol
 
 
 def check_legs(instance: Instance, plan: Plan, refined: RefinedPlan) -> Iterator[Violation]:
-    """Check that legs are those of the plan, none missing and none extra, at its times."""
+    """Check that the legs are those of the plan at its times, none missing and none extra."""
     known = {leg.leg: leg for leg in refined.legs}
     reasons = {missing.leg: missing.reason for missing in refined.missing}
     wanted = set()
@@ -76,12 +76,14 @@ def check_legs(instance: Instance, plan: Plan, refined: RefinedPlan) -> Iterator
                 yield from _check_leg(known[number], leg, before, name)
                 yield from _check_phases(known[number], leg, refined.freedom)
             elif number not in reasons:  # one that the file says to be missing claims nothing
-                yield Violation(number, "missing", "it is not refined, and nothing says why")
+                yield Violation(
+                    number, "missing", "it is not refined, but is not listed as missing"
+                )
             before = leg
     for number in sorted(set(known) - wanted):
         yield Violation(number, "extra", "the plan has no such leg to be refined")
     for number in sorted(set(reasons) & set(known)):
-        yield Violation(number, "missing", "it is refined, and listed as missing")
+        yield Violation(number, "missing", "it is refined, but is listed as missing")
     for number in sorted(set(reasons) - wanted):
         yield Violation(number, "missing", "the plan has no such leg to be refined")
     if len(reasons) < len(refined.missing):
@@ -90,7 +92,7 @@ def check_legs(instance: Instance, plan: Plan, refined: RefinedPlan) -> Iterator
 
 
 def _check_bodies(refined: RefinedPlan) -> Iterator[Violation]:
-    """Check that each body stands once, and is one of a leg if none is missing."""
+    """Check that each body occurs once, and on a leg if no leg is missing."""
     names = [body.name for body in refined.bodies]
     for name in sorted({name for name in names if names.count(name) > 1}):
         yield Violation(None, "body", f"{name!r} has more than one state at the epoch")
@@ -137,7 +139,7 @@ def _check_leg(
 
 
 def _check_phases(found: RefinedLeg, leg: Leg, freedom: Freedom) -> Iterator[Violation]:
-    """Check what burns are called: free ones ``transfer``, those at times of the plan as there."""
+    """Check the phases of burns: free ones are ``transfer``, others as in the plan."""
     planned = {burn.time_s: burn.phase for burn in reversed(leg.burns)}
     stated = [burn.phase for burn in found.burns]
     begun = stated.index("approach") if "approach" in stated else len(stated)
@@ -154,7 +156,7 @@ def _check_phases(found: RefinedLeg, leg: Leg, freedom: Freedom) -> Iterator[Vio
 
 
 def _times(found: RefinedLeg, leg: Leg, led: Tow | None) -> Iterator[tuple[str, float, float]]:
-    """Times of a leg: name, as stated, and as they follow from the plan [s]."""
+    """Times of a leg: name, stated value, and value by the plan [s]."""
     start_s, docked_s = leg.leaves_s, leg.docked_s
     if leg.manoeuvres is not None:
         standoff_s = leg.manoeuvres[-1].end_s
@@ -187,7 +189,7 @@ def _check_tow(
             f"{field}: releases at {found.released.time_s!r}, but in the plan at {ends_s!r}",
         )
     if (found.thrust is None) != bool(planned.burns):
-        yield Violation(number, "tow", f"{field}: has burns, or thrust, where the plan has not")
+        yield Violation(number, "tow", f"{field}: has burns or thrust that the plan does not have")
     elif found.thrust is not None:
         if found.start_s < ready_s - TIME_TOLERANCE_S:
             yield Violation(number, "tow", f"{field}: begins before the service is over")
@@ -226,7 +228,7 @@ STEPS, STEPS_OF_WEEKS, WEEKS_S = 36, 16, 20.0 * DAY_S
 twice as many, ten days of the fewer ones within 0.1 m; the tolerance is 10 m."""
 
 UNJUDGED = "unjudged"
-"""Rule of what cannot be judged here: the message says why."""
+"""Rule of violations that say why a refined plan cannot be judged."""
 
 
 FOLLOWS = Follower(

@@ -1,4 +1,4 @@
-"""Free motion in the field of a refined plan, and where its bodies are.
+"""Free motion in the gravity field of a refined plan, and states of its bodies.
 
 The pull is written once more, and :mod:`.propagation` integrates the change of elements by an
 explicit method, where the refinement integrates positions by an implicit one. Bodies are propagated
@@ -39,7 +39,7 @@ the body keeps up with its mean elements, and so is its place."""
 def check_bodies(
     instance: Instance, refined: RefinedPlan, reported: ReportedStates | None
 ) -> Iterator[Violation]:
-    """Check each body: at the epoch it is where the instance, or its ephemeris, says.
+    """Check each body's state at the epoch against the instance or its ephemeris.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ class BodyStates:
                 self._known[name, time_s] = state
 
     def is_reported(self, name: str) -> bool:
-        """Whether a body is where an ephemeris says."""
+        """Whether the states of a body come from an ephemeris."""
         return self.reported is not None and name in self.reported.bodies
 
     def state(self, name: str, time_s: float) -> Array:
@@ -220,7 +220,7 @@ class BodyStates:
         return self._known[name, time_s]
 
     def standoff(self, leg: RefinedLeg, length_m: float) -> Array:
-        """State that a leg is to have at its stand-off, shape (6,).
+        """State of the chaser required at the stand-off of a leg, shape (6,).
 
         Of the point that follows the destination on its orbit, slightly delayed, and on the way
         with which the approach begins.
@@ -237,7 +237,7 @@ class BodyStates:
 
 
 class Towing(NamedTuple):
-    """What tows of a leg are flown with.
+    """Inputs to the flight of a leg's tows.
 
     Attributes
     ----------
@@ -254,7 +254,7 @@ class Towing(NamedTuple):
     leg: int
 
     def flown(self, name: str, tow: RefinedTow) -> ThrustFlown:
-        """Fly a tow; one by burns has no mass and no shadow."""
+        """Fly a tow; with burns, mass and shadow do not matter."""
         state = self.bodies.state(name, tow.start_s)
         if tow.thrust is not None:
             course = Course(self.leg, tow.start_s, tow.released.time_s, 0.0)
@@ -280,7 +280,7 @@ def begun(world: FreeMotion, bodies: BodyStates, leg: RefinedLeg, instance: Inst
 
 
 def onward(state: Array, tow: RefinedTow) -> Array:
-    """State of the chaser after a release: with the burn back that it makes alone."""
+    """State of the chaser after a release, including its burn back."""
     alone = state.copy()
     for burn in tow.burns:
         if burn.phase == "return":

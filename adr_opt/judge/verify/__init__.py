@@ -1,4 +1,4 @@
-"""Verification of certificates: an independent program, plain on purpose.
+"""Verification of certificates: an independent program, deliberately simple.
 
 It shares with planners and proofs the connections of the timetable and nothing else, and these it
 samples against the physics of `check`: an import contract holds that. The rules of a mission are

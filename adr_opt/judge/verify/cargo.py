@@ -1,4 +1,4 @@
-"""Cargo of a chaser, the effect of services on cargo and tank, and what is counted of them.
+"""Cargo of a chaser, the effect of services on cargo and tank, and counts of services.
 
 What is left is counted as ΔV: what the propellant gives to the mass there is. A leg takes its ΔV
 off that, whatever is aboard. A kit that stays behind leaves the propellant p and takes its mass off
@@ -56,8 +56,8 @@ class Cargo(NamedTuple):
 
 
 UP_M_S = 2.0**-30
-"""What ΔV after a service is rounded up by: far more than its formula may be off, and far less than
-the slack of the model [m/s]."""
+"""Amount by which ΔV after a service is rounded up: far more than the rounding of its formula, and
+far less than the slack of the model [m/s]."""
 
 
 def left_after(
@@ -122,7 +122,7 @@ def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Car
 
 
 class StayCounts(NamedTuple):
-    """What walks count of their stays, as far as it limits them; each kind of count is a row.
+    """Counts that limit walks; each kind of count is a row.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ class StayCounts(NamedTuple):
 
 
 def counting_of(instance: Instance, chaser: Chaser) -> StayCounts:
-    """What is counted: services, at most so many, each with whether it begins anew at a station."""
+    """The counts of services with their limits, and whether each is reset at a station."""
     between = chaser.max_visits_between_refuels
     limits = [(_most_targets(instance, chaser), False), (between, True)]
     kinds = [

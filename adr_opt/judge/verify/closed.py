@@ -1,4 +1,4 @@
-"""Check of a list of labels: that no walk collects as much as is asked for.
+"""Check of a list of labels that proves that no walk collects a stated amount.
 
 A *walk* W is a route of a chaser that may return to targets that it has forgotten; an *answer* is
 one that may end where it is and has collected at least what is needed. A *label* L is a beginning
@@ -41,10 +41,10 @@ MOST = 2**60
 """Largest amount in a list, so that no sum is too large for an integer [fine units]."""
 
 PAID_LESS = 64
-"""Amount that payments are lessened by, for the rounding of products up to 2**57 [fine units]."""
+"""Reduction of payments that covers the rounding of products up to 2**57 [fine units]."""
 
 ROWS = 8192
-"""Labels that are gone on from at once."""
+"""Number of labels extended at once."""
 
 
 class ClosedLabels(NamedTuple):
@@ -77,12 +77,12 @@ class ClosedLabels(NamedTuple):
     odd: Array
 
     def at(self, rows: Any) -> ClosedLabels:
-        """Some of them."""
+        """The labels at some indices."""
         return ClosedLabels(*(column[..., rows] for column in self))
 
 
 class Question(NamedTuple):
-    """What walks are asked for; the core takes it on trust from who reads the claim.
+    """The claim on walks to be refuted; this check trusts the code that reads the certificate.
 
     Attributes
     ----------
@@ -123,13 +123,13 @@ class Question(NamedTuple):
 
 
 Finder = Callable[[ClosedLabels], Array]
-"""Gives for each of some labels the row of one in the list that dominates it; not trusted."""
+"""Untrusted function that names, for each label, a row of the list that dominates it."""
 
 
 def why_open(
     legs: Legs, question: Question, labels: ClosedLabels, starts: ClosedLabels, find: Finder
 ) -> str | None:
-    """Why a list of labels does not show that no walk is an answer; None if it does.
+    """Why a list of labels does not prove that no walk is an answer; None if it does.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def why_open(
     labels = ClosedLabels(*(np.array(own, one.dtype) for own, one in pairs))
     shapes = [(*one.shape[:-1], labels.body.size) for one in starts]
     if [own.shape for own in labels] != shapes:
-        return "labels have not as many words, or counts, as walks have"
+        return "labels have another number of memory words or counts than walks"
     ranges = (
         (labels.value, -MOST, MOST),
         (labels.worth, -MOST, MOST),
@@ -156,7 +156,7 @@ def why_open(
     )
     inside = [np.all((least <= column) & (column <= most)) for column, least, most in ranges]
     if not (all(inside) and np.all(np.isfinite(labels.time) & np.isfinite(labels.left))):
-        return "a label is at no place, or has no number"
+        return "a label has no body of the instance, or a value that is not a number"
     if np.any(is_answer(legs, question, labels)):
         return "a walk collects as much"
     for ends in chain([starts], ends_of(legs, question, labels)):
@@ -184,7 +184,7 @@ def dominates(legs: Legs, question: Question, some: ClosedLabels, others: Closed
 
 
 def is_answer(legs: Legs, question: Question, labels: ClosedLabels) -> Array:
-    """Which walks may end, and count as much as is asked for."""
+    """Mask of walks that may end and collect the stated amount."""
     waited = np.maximum(labels.time - question.since, 0.0)
     value = labels.value - _less(waited * question.per_s)
     unused = legs.terms.cargo.heavy & (labels.kits > 0)
@@ -194,12 +194,12 @@ def is_answer(legs: Legs, question: Question, labels: ClosedLabels) -> Array:
 
 
 def _less(product: Array) -> Any:
-    """A payment, a little less for the rounding of products [fine units]."""
+    """A payment, reduced to cover the rounding of products [fine units]."""
     return np.maximum(np.minimum(product, 2.0**57).astype(np.int64) - PAID_LESS, 0)
 
 
 def ends_of(legs: Legs, question: Question, labels: ClosedLabels) -> Iterator[ClosedLabels]:
-    """Where the legs of labels end, as far as an answer may come of it; some at a time."""
+    """Extensions of labels by all legs that may lead to an answer, in blocks."""
     for begin in range(0, labels.body.size, ROWS):
         some = labels.at(np.s_[begin : begin + ROWS])
         row, pair, _ = ways = _first_legs(legs, some)
@@ -210,7 +210,7 @@ def ends_of(legs: Legs, question: Question, labels: ClosedLabels) -> Iterator[Cl
 
 
 def _first_legs(legs: Legs, labels: ClosedLabels) -> Array:
-    """Ways of labels to where they may go, shape (3, ways).
+    """Pairs of a label and a destination, with the first leg of each, shape (3, pairs).
 
     Row of the label, pair, and the first leg that may be in time. A pair is origin · bodies +
     destination.
@@ -236,7 +236,7 @@ def _first_legs(legs: Legs, labels: ClosedLabels) -> Array:
 
 
 def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) -> ClosedLabels:
-    """Labels after legs of their pairs, but for their time, their ΔV and what these bring about."""
+    """Labels after legs of given pairs, before time and ΔV are applied."""
     terms, counting = legs.terms, legs.terms.counting
     i, j = np.divmod(pair, terms.bodies)
     memory = before.memory & question.neighbourhoods[:, j]
@@ -259,7 +259,7 @@ def _after(legs: Legs, question: Question, before: ClosedLabels, pair: Array) ->
 def _flown(
     legs: Legs, question: Question, labels: ClosedLabels, onto: ClosedLabels, ways: Array
 ) -> tuple[Array, ...]:
-    """The legs of which an answer may come, one after the other for all ways at once.
+    """Legs that may lead to an answer, examined in order for all pairs at once.
 
     Those are from ``labels`` to ``onto``, of which there is one for each. Gives for each leg its
     way and number, and what is left and collected after the stay.
@@ -272,7 +272,7 @@ def _flown(
     is_station, full = terms.is_station[j], terms.cargo.full[kits]
 
     def after(way: Array, leg: Array, cost: Array, lost: Any) -> tuple[Array, Array, Array]:
-        """What is left and collected after legs at a cost, and whether an answer may come of it."""
+        """ΔV left and amount collected after legs of a cost, and whether an answer may follow."""
         left = left_after(terms.cargo, j[way], kits[way], tank[way] - cost)
         left = np.where(is_station[way] & (left >= 0.0), full[way], left)
         value = onto.value[way] - lost - _less(cost * question.per_m_s)

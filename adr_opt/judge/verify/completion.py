@@ -1,4 +1,4 @@
-"""Most that a walk can still collect, by body, time, ΔV left and kits: one pass back in time.
+"""Most that a walk can still collect, by body, time, ΔV left and kits: one backward pass.
 
 Times are counted in *steps* and ΔV in *slots*, always so that the walks of this table may do more
 than those of :mod:`.closed`: who is ready within a step may take everything that leaves in it; a
@@ -33,11 +33,11 @@ SLOT_SLACK, SHARE = 1e-9, 1.0 / 60.0
 """Rounding guard of slots in favour of walks [slots]; step length as a share of the least leg."""
 
 ROOM_BYTES, SHARE_OF_MEMORY, MOST_SLOTS = 1e9, 0.25, 32766
-"""Limits of the values [bytes], [1 / free memory] and of slots, which are widened until they fit;
-more of them tell nothing."""
+"""Limits on the table [bytes], [share of free memory] and on the number of slots, which are widened
+until the table fits."""
 
 BLOCK = 2**18
-"""Number of values that are worked out at once, so that they stay in the cache."""
+"""Number of values computed at once, so that they stay in the processor's cache."""
 
 
 class Completion(NamedTuple):
@@ -123,7 +123,7 @@ def completion(
 def still(
     table: Completion, kits: Array, step: Array, body: Array, left: Array, came_from: Array
 ) -> Any:
-    """Units still to be had by walks that do not go straight back to where they come from.
+    """Units that walks can still collect without returning at once to the previous body.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def still(
 
 
 def never_of(kind: Any) -> Any:
-    """Packed value of what is not possible, by the type of values."""
+    """Packed value of an impossible continuation, by the type of values."""
     return np.dtype(kind).type(np.iinfo(kind).min // 2)
 
 
@@ -163,7 +163,7 @@ def in_units(
 
 
 class MoveGains(NamedTuple):
-    """What moves give and take.
+    """Gains and costs of moves.
 
     Attributes
     ----------
@@ -193,7 +193,7 @@ slots."""
 
 
 def undominated(body: int, leaves: Array, destination: Array, lands: Array, cost: Array) -> Moves:
-    """Moves from a body, but for those whose time holds another's to the same body at one cost."""
+    """Moves from a body, without those that contain another move to the same body at equal cost."""
     if np.any(leaves >= lands):
         raise ValueError("a leg lands in the step that it leaves in: a walk goes forward in time")
     place = destination.astype(np.int64) * (int(cost.max(initial=0)) + 1) + cost
@@ -267,12 +267,12 @@ def _steps(departures: Array, length: float) -> Array:
 
 
 def slots_in(delta_v: Any, slot: float) -> Any:
-    """Whole slots that there is ΔV for."""
+    """Number of whole slots that some ΔV covers."""
     return np.floor(delta_v / slot + SLOT_SLACK).astype(np.int64)
 
 
 def costs_of(delta_v: Any, slot: float) -> Any:
-    """What legs cost in whole slots."""
+    """Costs of legs in whole slots."""
     return np.maximum(0.0, np.floor(delta_v / slot - SLOT_SLACK)).astype(np.int64)
 
 
@@ -292,5 +292,5 @@ def _columns(legs: Legs, slots: int, slot: float) -> Array:
 
 
 def most_slots(slot_bytes: float) -> float:
-    """How many slots of a size in memory there may be."""
+    """Maximum number of slots, by the memory that each takes."""
     return min(MOST_SLOTS, min(ROOM_BYTES, SHARE_OF_MEMORY * available_bytes()) / slot_bytes)

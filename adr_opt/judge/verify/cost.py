@@ -1,4 +1,4 @@
-"""Check of a least ΔV: that no walk worth enough takes less, or no walks of several chasers.
+"""Check of a lower bound on ΔV: no walk that is worth enough, or set of walks, takes less.
 
 Walks are those of :mod:`.walks`, and pay for their ΔV, that of tows included, and, where that has a
 price, for the time until they end. A plan that is worth W or more and costs less than C counts more
@@ -28,11 +28,11 @@ from .lists import Lists
 from .walks import Paying, WalkAnswer, asked, refuted, walks_reach
 
 SLACK, LEAST_SLACK = Fraction(1, 10**10), Fraction(1, 2**50)
-"""Share by which a walk may be worth less, so that no rounding of a sum of prizes counts, and what
-that share is at least where other plans would be worth as much."""
+"""Share by which the worth of walks may fall short, to cover rounding in sums of prizes, and its
+least value where that share would admit plans of other worth."""
 
 RELATIVE = 1e-6
-"""Share of a bound up to which costs are the same."""
+"""Relative tolerance between costs."""
 
 
 class CostVerdict(NamedTuple):
@@ -56,11 +56,11 @@ NOTHING = CostVerdict(None, 0, ())
 
 
 def why_unverifiable(instance: Instance) -> str | None:
-    """Why the cost of an instance is not yet verifiable; None if it is."""
+    """Why the cost of an instance cannot be verified yet; None if it can."""
     if instance.objective.cost != "delta-v":
-        return "it is not ΔV"
+        return "the cost is not ΔV"
     if instance.mission.mission_separation_s is not None:
-        return "missions are one after another"
+        return "missions are flown one after another"
     return None
 
 
@@ -89,7 +89,7 @@ def judged_cost(
         return NOTHING
     obstacle = why_unverifiable(instance)
     if obstacle is not None:
-        return CostVerdict(None, 0, (f"the cost part is not yet verifiable: {obstacle}",))
+        return CostVerdict(None, 0, (f"the cost part cannot be verified yet: {obstacle}",))
     least, labels = _least_worth(instance, certificate, cost), 0
     worth = Fraction(cost.per_prize) * least
     paid = [Fraction(each) for each in cost.multipliers.values()]
@@ -97,7 +97,7 @@ def judged_cost(
     # Who stays where it is counts nothing.
     paid += [len(walks.chasers) * max(Fraction(walks.most), Fraction(0)) for walks in cost.walks]
     if cost.walks and Fraction(cost.bound) > worth - sum(paid):
-        why = f"that no plan costs less than {cost.bound:g} m/s does not follow from its walks"
+        why = f"its walks do not prove that no plan costs less than {cost.bound:g} m/s"
         return CostVerdict(None, 0, (why,))
     paying = Paying(instance.time_m_s_per_s)
     claims = [
@@ -137,7 +137,7 @@ def judged_cost(
 
 
 class _Claim(NamedTuple):
-    """A claim on walks: what none comes to, what they pay, and what is said of one that does."""
+    """A claim on walks: the amount that none reaches, their payments, and a message if one does."""
 
     walks: ProvenWalks
     most: Fraction
@@ -146,7 +146,7 @@ class _Claim(NamedTuple):
 
 
 def _least_worth(instance: Instance, certificate: Certificate, cost: ProvenCost) -> Fraction:
-    """What the plans that are asked about are worth at least."""
+    """Least worth of the plans that the claim is about."""
     required = sum(target.required for target in instance.targets)
     least = Fraction(cost.prize) + required * Fraction(certificate.required_worth)
     # Beside large prizes a share of them is more than a small one: who collects less is not meant.
@@ -157,7 +157,7 @@ def _least_worth(instance: Instance, certificate: Certificate, cost: ProvenCost)
 def _counts(
     instance: Instance, certificate: Certificate, cost: ProvenCost, chaser: Chaser
 ) -> list[Fraction]:
-    """What a service of each body counts: its worth at the price, less its tow and multiplier."""
+    """Value of a service of each body: its worth at the price, less its tow and multiplier."""
     price = Fraction(cost.per_prize)
     counts = [price * each for each in worths_of(instance, certificate)]
     for name, multiplier in cost.multipliers.items():
@@ -169,7 +169,7 @@ def _counts(
 
 
 def _spent(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> Fraction:
-    """What walks pay on their first leg for what the tank lacks at the start, and plans do not."""
+    """ΔV that walks pay on the first leg for a tank not full at the start; plans do not pay it."""
     if chaser.is_launched:  # no leg leads onto its first target
         return Fraction(0)
     return Fraction(connecting.spent_m_s(instance.names.index(chaser.start_name)))
@@ -180,7 +180,10 @@ def _compared(plan: Plan | None, cost: ProvenCost) -> list[str]:
     if plan is None or plan.cost_bound is None:
         return []
     if plan.objective < cost.prize * (1.0 - RELATIVE):
-        return [f"the cost part is on plans that collect {cost.prize:.15g}, and this one does not"]
+        return [
+            f"the cost part covers plans that collect {cost.prize:.15g}, and this plan collects "
+            "less"
+        ]
     follows = f"none costs less than {cost.bound:.15g} m/s"
     if plan.cost < cost.bound * (1.0 - RELATIVE):
         return [f"the plan costs {plan.cost:.15g} m/s, but {follows}: one of them is wrong"]

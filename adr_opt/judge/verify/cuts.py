@@ -1,4 +1,4 @@
-"""Cuts of three targets, of which one route of a plan at most services two or more.
+"""Subset-row cuts: of three targets, at most one route of a plan services two or more.
 
 Every route may be made to pay at its second service of such a row: the routes of a plan pay once
 together, at most. A walk may return to targets, so it pays at every even service, the second, the
@@ -22,7 +22,7 @@ WORD = 63
 
 
 class Tolls(NamedTuple):
-    """What walks pay, with a bit c % 63 of word c // 63 for each cut c.
+    """Payments of walks for cuts, with bit c % 63 of word c // 63 for cut c.
 
     Attributes
     ----------

@@ -55,7 +55,7 @@ UNSTEADY_S = 300.0
 
 
 class _Share(NamedTuple):
-    """What one chaser, or all together, have, and what services take of it.
+    """Time and ΔV of one chaser, or of all together, and the least that services take of both.
 
     Attributes
     ----------
@@ -92,7 +92,9 @@ def worth_of_floors(instance: Instance, certificate: Certificate, missed: Fracti
     prices = certificate.floors
     assert prices is not None
     if certificate.walks or certificate.multipliers:
-        raise InputError("field floors: a bound rests on walks or on floors, and not on both")
+        raise InputError(
+            "field floors: a bound rests either on walks or on floors; leave one of them out"
+        )
     _refuse(instance)
     shares = [_share(instance, chaser, prices.ballast_kg) for chaser in instance.chasers]
     if not prices.alone:
@@ -121,7 +123,7 @@ def _together(shares: Sequence[_Share]) -> _Share:
 
 
 def _worth(instance: Instance, certificate: Certificate, share: _Share) -> Fraction:
-    """What a share is worth at the prices of a certificate."""
+    """Worth of a chaser's time and ΔV at the prices of a certificate."""
     prices = certificate.floors
     assert prices is not None
     per_s, per_m_s = Fraction(prices.worth_per_s), Fraction(prices.worth_per_m_s)
@@ -151,11 +153,11 @@ def _refuse(instance: Instance) -> None:
         (registered_of(instance), "legs of a registered family"),
     ):
         if without:
-            raise InputError(f"not yet verifiable: floors of an instance with {why}")
+            raise InputError(f"floors cannot be verified yet for an instance with {why}")
 
 
 def _share(instance: Instance, chaser: Chaser, ballast_kg: float) -> _Share:
-    """What one chaser has, and what services take of it."""
+    """Time and ΔV of one chaser, and the least that services take of both."""
     drive, first = drive_of(chaser, instance.targets), instance.first_target
     towed = towed_bodies(instance, instance.orbits(), drive)
     tows_s = np.zeros(len(instance.names))

@@ -21,7 +21,7 @@ from .terms import Terms, flown_from, terms_of
 FloatArray = npt.NDArray[np.float64]
 
 MOST = 2**58
-"""Largest amount that is taken off at once [units]."""
+"""Largest loss of prize at one service [units]."""
 
 
 class Loss(NamedTuple):
@@ -119,5 +119,5 @@ def legs_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) ->
     pair = np.repeat(np.arange(bodies * bodies), np.diff(first))
     shortest = float(quickest.min())
     if shortest < LEAST_S:
-        raise InputError(f"not yet verifiable: there are legs that take {shortest:g} s")
+        raise InputError(f"cannot be verified yet: the shortest leg takes only {shortest:g} s")
     return Legs(terms, first, pair, departure, end, delta_v, cheapest, quickest, shortest)

@@ -1,4 +1,4 @@
-"""Lists of closed labels, given or noted, one for each question about walks.
+"""Lists of closed labels, read from a file or recorded, one for each claim on walks.
 
 A list may have the row of a label that dominates each end of a leg, so that who checks it need not
 look for one. Nothing of it is trusted.
@@ -26,7 +26,7 @@ KINDS = {
 
 
 class ListedLabels(NamedTuple):
-    """The list of one question.
+    """The list of labels for one claim.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class ListedLabels(NamedTuple):
     row: Array | None
 
     def find(self, search: Finder) -> Finder:
-        """Gives the rows of the file, one after the other; those of a search if it has none."""
+        """Rows of the file in order; rows of a search if there is no file."""
         if self.row is None:
             return search
         rows, at = self.row, 0
@@ -54,7 +54,7 @@ class ListedLabels(NamedTuple):
 
 
 class Lists:
-    """The lists of a certificate, to be checked one after the other, or to be written.
+    """The lists of a certificate, to be checked in order or to be written.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class Lists:
         self.checked: list[ListedLabels] = []
 
     def next(self) -> ListedLabels | None:
-        """The list of the next question, if it was given."""
+        """The list of the next claim, if the file has one."""
         return self._given.pop(0) if self._given else None
 
     def save(self, path: str | os.PathLike[str], certificate: Certificate) -> None:

@@ -1,4 +1,4 @@
-"""Names in a certificate: they are bodies and chasers of its instance, each chaser once."""
+"""Check of names in a certificate: bodies and chasers of its instance, each chaser once."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _of_names(field: str, named: Iterable[str], known: Iterable[str], what: str)
 def _of_walks(
     instance: Instance, part: str, stated: Collection[ProvenWalks], cuts: Collection[ProvenCut]
 ) -> Iterator[str]:
-    """Walks name bodies, and every chaser once if there are any; cuts name targets and bodies."""
+    """Faults of the names in walks and cuts."""
     for number, walks in enumerate(stated):
         named = set(walks.neighbourhoods).union(*walks.neighbourhoods.values())
         yield from _of_names(f"{part}walks[{number}].neighbourhoods", named, instance.names, BODY)
@@ -64,21 +64,21 @@ def _of_walks(
 
 
 def _of_steps(certificate: Certificate) -> Iterator[str]:
-    """What walks in steps, or those that are gone through one by one, do not have."""
+    """Faults of fields that walks in steps, or walks by labels, do not have."""
     in_steps = certificate.time_step_s is not None
     for number, walks in enumerate(certificate.walks):
         if in_steps and walks.neighbourhoods:
-            said = "walks in steps remember where they come from, and nothing else"
+            said = "walks in steps remember only the previous body; leave it out"
             yield f"walks[{number}].neighbourhoods: {said}"
         if not in_steps and walks.worth_per_m_s is not None:
-            said = "walks pay for ΔV only where time_step_s is given"
+            said = "walks pay for ΔV only in steps; give time_step_s, or leave it out"
             yield f"walks[{number}].worth_per_m_s: {said}"
     if in_steps and certificate.cuts:
-        yield "cuts: walks in steps pay for none"
+        yield "cuts: walks in steps do not pay for cuts; leave them out"
 
 
 def _of_cost(instance: Instance, cost: ProvenCost) -> Iterator[str]:
-    """The cost part; that of several chasers has walks."""
+    """Faults of the cost part."""
     named, targets = cost.neighbourhoods, [target.name for target in instance.targets]
     everywhere = set(named).union(*named.values())
     yield from _of_names("cost.neighbourhoods", everywhere, instance.names, BODY)
@@ -86,7 +86,7 @@ def _of_cost(instance: Instance, cost: ProvenCost) -> Iterator[str]:
     if not cost.walks and len(instance.chasers) > 1:
         yield "cost.walks: must be given where there are several chasers"
     if not cost.walks and (cost.multipliers or cost.cuts):
-        yield "cost.walks: without them nothing is paid for multipliers or cuts"
+        yield "cost.walks: missing, but multipliers or cuts are given, which walks pay for"
     if cost.walks and named:
         yield "cost.neighbourhoods: state them in cost.walks instead"
     yield from _of_walks(instance, "cost.", cost.walks, cost.cuts)
@@ -96,10 +96,10 @@ def _of_cost(instance: Instance, cost: ProvenCost) -> Iterator[str]:
 
 
 def _of_prizes(instance: Instance, stated: float) -> Iterator[str]:
-    """Prizes are multiples of their step, up to rounding."""
+    """Faults of prizes that are not multiples of their step, up to rounding."""
     step = Fraction(stated)
     if 4 * missed_by(instance, step) > step:
-        said = "all prizes together miss multiples of it by more than a quarter of it"
+        said = "the prizes together deviate from its multiples by more than a quarter of it"
         yield f"prize_step = {stated!r}: {said}"
     for target in instance.targets:
         for prize in map(Fraction, target.prizes):

@@ -29,7 +29,7 @@ def kept_apart(instance: Instance) -> tuple[Chaser, ...]:
 def finders_of(
     instance: Instance, names: Collection[str], connecting: ConnectionFinder
 ) -> Iterator[tuple[Chaser, ConnectionFinder]]:
-    """Chasers of some names with their connections, one of those that differ in their names alone.
+    """The named chasers with their connections, one for each group that differs only in name.
 
     Each is available from its earliest possible launch, as :func:`kept_apart` has it.
     """

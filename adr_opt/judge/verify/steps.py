@@ -1,4 +1,4 @@
-"""Check whether walks of a large field collect the stated amount, by a table of steps alone.
+"""Check whether walks on a large field collect the stated amount, by a table of time steps.
 
 Where there are too many legs for labels (:mod:`.walks`) the table by which these look ahead
 (:mod:`.completion`) is all there is, in steps of one length. It is coarser than walks are, always
@@ -71,8 +71,8 @@ def most_in_steps(
     slots = int(slots_in(terms.cargo.full[0], slot_m_s)) + 1
     if max(steps, slots, bodies) > MOST:
         raise InputError(
-            f"not verifiable: {steps} steps, {slots} slots and {bodies} bodies are too many; "
-            "none may be above 32766"
+            f"cannot be verified: {steps} steps, {slots} slots and {bodies} bodies; none may "
+            "exceed 32766"
         )
     if worth_per_m_s != 0 and (np.any(terms.cargo.share != 1.0) or np.any(terms.cargo.lost)):
         raise InputError(
@@ -86,9 +86,7 @@ def most_in_steps(
     for body, part in enumerate(_moves(terms, connecting, length_s, slot_m_s, steps)):
         shortest = min(shortest, int(np.min(part[2].astype(int) - part[0], initial=steps)))
         if shortest < 1:
-            raise InputError(
-                f"field time_step_s = {length_s!r}: there are legs that do not take as long"
-            )
+            raise InputError(f"field time_step_s = {length_s!r}: some legs are shorter; give less")
         parts.append(undominated(body, *part))
         legs = sum(each[0].size for each in parts)
         _find_room(LEG_BYTES * legs * (bodies - body - 1) / (body + 1))

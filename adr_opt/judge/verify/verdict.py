@@ -34,7 +34,7 @@ CONNECTIONS = 1000
 """Number of connections flown again."""
 
 MOST_CONNECTIONS = 1_000_000
-"""Largest number accepted; more would take days, and must be a typing error."""
+"""Maximum number of connections; more would take days, and must be a typing error."""
 
 
 @dataclass(frozen=True)
@@ -168,8 +168,8 @@ def _of_former_model(instance: Instance, certificate: Certificate) -> list[str]:
     if certificate.model == MODEL or not instance.transfer.max_drift_s:
         return []
     return [
-        f"it is of version {certificate.model} of the model, in which phasing was free in drift "
-        "legs: prove anew"
+        f"it is for version {certificate.model} of the model, in which phasing of drift legs was "
+        "free; prove again"
     ]
 
 
@@ -178,7 +178,7 @@ def _judge(instance: Instance, plan: Plan, certificate: Certificate) -> list[str
     reasons = [f"the plan is not legal: {violation}" for violation in check(instance, plan)[:1]]
     stated = certificate.plan_sha256
     if not reasons and stated is not None and stated != sha256_of(plan):
-        reasons.append("the certificate was written beside another plan, or the plan was changed")
+        reasons.append("the certificate belongs to another plan, or the plan was changed")
     return reasons
 
 
@@ -228,7 +228,7 @@ def _compare(
     if plan.status in ("optimal", "feasible") and bound < plan.objective - difference:
         reasons.append(f"the plan collects {plan.objective:.15g}, but {said}: one of them is wrong")
     elif plan.status == "optimal" and plan.objective < bound - difference:
-        reasons.append(f"the plan is said to be optimal; it only follows that {said}")
+        reasons.append(f"the plan claims to be optimal; it only follows that {said}")
     return reasons
 
 

@@ -33,16 +33,16 @@ from .rules import finders_of
 
 
 class Paying(NamedTuple):
-    """What walks that pay for ΔV pay besides, and are to be worth.
+    """Further payments of walks that pay for ΔV, and the worth required of them.
 
     Attributes
     ----------
     per_s : float
-        What they pay for a second until they end [m/s].
+        Payment for each second until the walk ends [m/s].
     worths : sequence of Fraction
         Of the service of each body; nothing where it does not matter.
     least : Fraction
-        What they are to be worth together.
+        Worth required of the walk.
     """
 
     per_s: float
@@ -58,7 +58,7 @@ class WalkAnswer(NamedTuple):
     reached : bool
         Whether there is a walk that collects as much.
     labels, legs : int
-        How many labels it took to know, or legs where walks are counted in steps.
+        Number of labels needed, or of legs where walks are counted in steps.
     why : str or None
         Why a list of labels does not show that there is none.
     """
@@ -76,7 +76,7 @@ def refuted(
     said: str,
     answer: Callable[[Chaser, ConnectionFinder], WalkAnswer],
 ) -> tuple[int, int, str | None]:
-    """Labels and legs that it took to know of a claim on walks, and why it does not follow, if so.
+    """Labels and legs needed to check a claim on walks, and why it does not follow, if so.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def refuted(
         Whose walks they are.
     connecting : ConnectionFinder
     said : str
-        What a walk does of which the certificate says that none does; {} is the name of a chaser.
+        Message about a walk that contradicts the certificate; {} is the name of a chaser.
     answer : callable
         The answer for one of them and its connections.
     """
@@ -94,7 +94,7 @@ def refuted(
         found = answer(chaser, own)
         labels, legs = labels + found.labels, legs + found.legs
         if found.why is not None:
-            return labels, legs, f"the labels of {chaser.name!r} show nothing: {found.why}"
+            return labels, legs, f"the labels of {chaser.name!r} prove nothing: {found.why}"
         if found.reached:
             walk = said.format(repr(chaser.name))
             return labels, legs, f"{walk}, but the certificate says that none does"
@@ -102,7 +102,7 @@ def refuted(
 
 
 EXPANDERS = "adr_opt.expanders"
-"""Entry-point group of modules that make lists of closed labels; nobody has to trust them."""
+"""Entry-point group of modules that make lists of closed labels; the lists are not trusted."""
 
 
 def expander() -> Any:
@@ -189,7 +189,7 @@ def asked(
 
 
 def walks_reach(asked: AskedWalks, lists: Lists | None = None) -> WalkAnswer:
-    """Check whether a walk collects what is asked for.
+    """Check whether a walk collects the stated amount.
 
     Parameters
     ----------

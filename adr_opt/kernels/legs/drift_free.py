@@ -193,7 +193,7 @@ def tilted(pair, shape, rest_of_node, climb, tilt):
 
 @inlined
 def matched(pair, task, rest_of_node, circles):
-    """Optimum of M (:mod:`.drift_shape`), from the one between circles; the same without free burns.
+    """Optimum of M (:mod:`.drift_shape`), from the one between circles; equal without free burns.
 
     They are the same where that changes speeds by as much as eccentricities ask for. Else all b_y
     that do cost the same in the plane, and the node alone chooses: none of it is left, or b_y is
