@@ -132,7 +132,7 @@ class ConnectionFinder:
     def planning_resolution_m_s(self) -> float:
         """Saving of ΔV below which connections are omitted from planning [m/s].
 
-        None is, where that is affordable: where events are regular, or connections given.
+        0 where listing all is affordable: where events are regular, or connections given.
         """
         return self._resolution if self.times is not None else 0.0
 
@@ -218,7 +218,7 @@ class ConnectionFinder:
         return self.times is not None or self._has_registered
 
     def shortened(self, instance: Instance) -> ConnectionFinder:
-        """A finder for a mission with other limits alone, no longer in time; reuses connections.
+        """A finder for a mission of no longer duration or with other tanks; reuses connections.
 
         A connection is dominated by none that arrives later, so those of the shorter mission are
         those that arrive in time. Tanks may differ unless connections :attr:`depends_on_tank`.
@@ -235,7 +235,7 @@ class ConnectionFinder:
         return [number[name] for name in part.names]
 
     def counted_as(self, longer: ConnectionFinder) -> None:
-        """Take over the numbers of connections per pair, for a table not rebuilt from them."""
+        """Take over the numbers of connections per pair from the finder of a longer mission."""
         back = {number: body for body, number in enumerate(longer.numbers_of(self.instance))}
         self.counts |= {
             (back[i], back[j]): count
@@ -244,7 +244,7 @@ class ConnectionFinder:
         }
 
     def limited(self, instance: Instance) -> ConnectionFinder:
-        """A finder for a mission with other limits alone: :meth:`shortened`, or new for its tank.
+        """A finder for a mission with another duration or tank: :meth:`shortened`, or a new one.
 
         Raises
         ------
@@ -317,7 +317,7 @@ class ConnectionFinder:
         return self.given.functions.of_pair(self._names[i], self._names[j])
 
     def by_function(self, i: int, j: int, ready: FloatArray) -> Connections | None:
-        """Legs by the function of a pair, one for each ready time that is in time for one.
+        """Legs by the function of a pair, one for each ready time from which a leg ends in time.
 
         None for a pair without a function. As arrivals never overtake, a chaser that is ready needs
         no other one.
@@ -386,7 +386,7 @@ class ConnectionFinder:
         return self.drive.classes_kg(self.instance.transfer.mass_class)[1:]
 
     def by_class(self, i: int, j: int) -> Connections:
-        """The connections of a pair for planning, with those that are for lighter chasers alone.
+        """The connections of a pair for planning, including those for lighter chasers only.
 
         A chaser flies those of its own class of mass and of all heavier ones. What connections are
         for, :attr:`.Connections.mass_kg` says if that depends on the mass.

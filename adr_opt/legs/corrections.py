@@ -47,7 +47,7 @@ CERTAIN = Moments(1.0, 0.0)
 
 @dataclass(frozen=True)
 class RiskCharge:
-    """Charges on legs for what they may cost more.
+    """Charges on legs for the risk that they cost more than planned.
 
     Attributes
     ----------
@@ -68,11 +68,11 @@ class RiskCharge:
     factors: Mapping[tuple[str, str], Moments] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
-        """Whether any leg is charged other than what it is planned to take."""
+        """Whether the charge of any leg differs from its planned ΔV."""
         return bool(self.factors) or self.usable != CERTAIN
 
     def charged(self, destination: str, kind: str, delta_v_m_s: Any) -> Any:
-        """ΔV that legs are charged, from what they are planned to take [m/s]."""
+        """ΔV charged for legs, from their planned ΔV [m/s]."""
         mean, sigma = self.factors.get((destination, kind), CERTAIN)
         full, least = self._usable_m_s, self._square_of_reserve
         legs = (self.score * sigma) ** 2 / mean * delta_v_m_s
@@ -82,7 +82,7 @@ class RiskCharge:
         return self.tank_m_s * mean * delta_v_m_s / (full - reserve)
 
     def planned(self, destination: str, kind: str, charged_m_s: Any) -> Any:
-        """ΔV that legs are planned to take, from what they are charged [m/s]."""
+        """Planned ΔV of legs, from the ΔV that they are charged [m/s]."""
         mean, sigma = self.factors.get((destination, kind), CERTAIN)
         full, least = self._usable_m_s, self._square_of_reserve
         share = charged_m_s / self.tank_m_s
@@ -104,7 +104,7 @@ class RiskCharge:
 
 
 _NOTHING = 1e-300
-"""Added to a denominator that is 0 where nothing is uncertain."""
+"""Guard of a denominator that is 0 where nothing is uncertain."""
 
 
 Key = tuple[str, str, str]
@@ -113,7 +113,7 @@ Key = tuple[str, str, str]
 Span = tuple[float, float]
 
 WITHIN_S = 1e-3
-"""Tolerance of times that are barred [s]."""
+"""Tolerance on barred times [s]."""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ def all_pairs(bodies: int) -> Pairs:
 
 
 def connected_pairs(instance: Instance, near: int) -> Pairs:
-    """All pairs; where connections are given, those that have any, at most ``near`` of a body."""
+    """All pairs; of given connections those that have any, at most ``near`` per body."""
     bodies = len(instance.names)
     if near >= bodies - 1:
         return all_pairs(bodies)
@@ -38,7 +38,7 @@ def connected_pairs(instance: Instance, near: int) -> Pairs:
 
 
 def begun(pairs: Pairs, built: int) -> Pairs:
-    """Pairs of the waves begun, if a number of pairs was built from the first on."""
+    """Pairs of the waves begun when a number of pairs has been built."""
     waves = max(1, math.ceil(built / max(1, pairs.origins.size * WAVE)))
     return Pairs(pairs.origins, pairs.near[:, : waves * WAVE])
 

@@ -53,7 +53,7 @@ def limits_of(
 def _begins(
     instance: Instance, service: FloatArray, begin: float
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Body of each interval, and when services may begin in it, whatever the mission lasts [s]."""
+    """Body of each interval, and the times in it at which services may begin [s]."""
     first, never = instance.first_target, np.array([[0.0, -math.inf]])
     lists = [np.array([[0.0, math.inf]])] * first
     for number, station in enumerate(instance.stations):
@@ -71,7 +71,7 @@ def _begins(
 
 
 def removal_times(instance: Instance, chasers: Iterable[int]) -> dict[int, float]:
-    """Least time that one of some chasers takes for each removal, by number of the body [s]."""
+    """Least time that any of some chasers needs for each removal, by number of the body [s]."""
     drives = {drive_of(instance.chasers[number], instance.targets) for number in chasers}
     found: dict[int, float] = {}
     for drive in drives:
@@ -92,7 +92,7 @@ def service_begins(instance: Instance, leg: Leg) -> float:
 
 
 def windows_at(instance: Instance) -> Windows:
-    """When services may begin at the bodies of an instance, however long it and chasers last."""
+    """Windows of an instance's bodies, regardless of the limits of the mission and chasers."""
     return windows_of(*_begins(instance, services_s(instance), -math.inf))
 
 

@@ -206,7 +206,9 @@ class Timetable(Shown):
             This is the timetable of some pairs only.
         """
         if not self.is_whole:
-            raise ValueError("only the timetable of all pairs has a part for every variant")
+            raise ValueError(
+                "a timetable of some pairs cannot be reused for a variant; build that of all pairs"
+            )
         made = copy(self)
         bodies = np.array(self.connecting.numbers_of(instance), dtype=np.int64)
         connecting.counted_as(self.connecting)

@@ -11,7 +11,7 @@ from ..kernels.tables import timetable as kernels
 from ..problem.instance import Instance
 
 MEMORY_SHARE = 0.7
-"""Share of free memory that building a timetable may take; planners need some too."""
+"""Share of free memory that building a timetable may use; planners need memory, too."""
 
 LARGE_BYTES = 2.0**28
 """Builds expected to exceed this print a notice first (a few seconds of work)."""

@@ -31,17 +31,17 @@ APPROXIMATE = (
 
 FREELY = (
     "delta_v_m_s is the price of free burns, which refine finds; the burns of legs fly between "
-    "circles of the same semi-major axes, and only tell their times"
+    "circles of the same semi-major axes, and state times only"
 )
 
 ON_PRICES = frozenset({APPROXIMATE, FREELY})
-"""Notes that plans begin with, and searches leave out of their own."""
+"""Notes at the beginning of plans, which searches do not repeat."""
 
 
 def legs(
     mission: Mission, sequence: Iterable[int], timing: Schedule | None = None
 ) -> tuple[Leg, ...]:
-    """Price a sequence of bodies, leg by leg.
+    """Legs of a sequence of bodies, each with its price.
 
     Parameters
     ----------

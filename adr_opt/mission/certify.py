@@ -50,7 +50,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
     if result.status == "optimal":
         bound = min(bound, most)
     if bound == math.inf:
-        raise InputError(f"{result.method} has proven nothing, so there is no certificate")
+        raise InputError(f"{result.method} has proven no bound, so there is no certificate")
     walks: tuple[ProvenWalks, ...] = ()
     multipliers: dict[str, float] = {}
     floors: ProvenFloors | None = None

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 USUAL_SLOT_M_S = 20.0
-"""Slot of ΔV for looking ahead where a proof has none of its own [m/s]."""
+"""Slot of ΔV for completion bounds where a proof has none of its own [m/s]."""
 
 WORD = 63
 """Number of targets per integer of a neighbourhood."""
@@ -88,7 +88,7 @@ class Floors:
 
 @dataclass(frozen=True, eq=False)
 class CostEvidence:
-    """Evidence for a least ΔV of plans that are worth enough.
+    """Evidence for the least ΔV of plans of at least some worth.
 
     With worth at a price and ΔV taken off, no walk of a single chaser that is worth enough counts
     more than the least worth at that price less the bound. Or, where there are ``walks``: with

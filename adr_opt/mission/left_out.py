@@ -1,4 +1,4 @@
-"""Targets that a plan leaves out, each with the limit that stands in its way."""
+"""Targets that a plan leaves out, each with the limit that keeps it out."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited
 
 
 class _Limits:
-    """What keeps a chaser from one more leg after its moves.
+    """Limits that keep a chaser from one more leg after its moves.
 
     A limit is named if one more leg can be flown without it, and with all others as they are.
     """
@@ -57,7 +57,7 @@ class _Limits:
         self._known: dict[tuple[bool, bool], Relaxed | None] = {}
 
     def before(self, j: int) -> Reason:
-        """What stands before a target."""
+        """The reason why a target cannot be the next move."""
         mission, more = self._mission, (*self._moves, j)
         rules = mission.rules
         if not mission.timetable.holds((rules.start, *more)[-2], j):
@@ -76,7 +76,7 @@ class _Limits:
         return next(flown, "no-transfer")
 
     def _lacks_kit(self, why: str) -> bool:
-        """Whether it is kits that an order has too few of, and no limit on targets."""
+        """Whether an order has too few kits, rather than too many targets."""
         kits, most = self._mission.chaser.kits, self._mission.chaser.max_targets
         by_kits = why == FULL["targets"] and kits == self._mission.rules.limits.targets != most
         return why == KITS or by_kits

@@ -35,7 +35,7 @@ Sequence = npt.NDArray[np.int64]
 
 
 FOLLOWS = Follower("planning", JUDGED)
-"""What planners are told of, by arrays and functions; what each follows is said by itself."""
+"""Rules that missions pass on to planners; each planner states which of them it follows."""
 
 
 class Mission(Shown, Prizes):
@@ -178,7 +178,7 @@ class Mission(Shown, Prizes):
         )
 
     def do_without(self) -> None:
-        """Do without a timetable, for planners that look at connections themselves."""
+        """Do without a timetable, for planners that examine connections themselves."""
         bodies = len(self.names)
         self.build(Pairs(np.arange(bodies), np.empty((bodies, 0), dtype=np.int32)), most=0)
 
@@ -243,7 +243,7 @@ class Mission(Shown, Prizes):
 
     @property
     def limits(self) -> CountLimits:
-        """The most that the chaser may count; what all targets are within is no limit."""
+        """Limits on the chaser's counts, without those that all targets together satisfy."""
         targets = len(self.instance.targets)
 
         def limit(most: int | None) -> int:
@@ -461,7 +461,7 @@ class Mission(Shown, Prizes):
         return self.schedules.of(moves[: self.in_order(moves)])
 
     def time_by_class(self, sequence: Iterable[int | str]) -> Schedule:
-        """The same as plans have it: where legs depend on the mass, with those of lighter chasers.
+        """The best schedule of an order, including legs of lighter chasers, as plans have it.
 
         Planners look for orders with :meth:`time`, which takes the legs of the heaviest chaser.
         """

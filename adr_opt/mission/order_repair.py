@@ -1,4 +1,4 @@
-"""Repair of visiting orders that were made elsewhere, at other costs.
+"""Repair of visiting orders made elsewhere or with other costs.
 
 Solvers for static matrices promise more than the mission keeps. :func:`as_it_is` says how much of
 an order is legal when it is timed exactly, and :func:`mended` what can be saved of it by refuelling

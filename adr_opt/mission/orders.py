@@ -1,4 +1,4 @@
-"""The rule of orders: which body may come next in an order, whatever the times and the tank."""
+"""The rule of orders: which body may come next in an order, regardless of times and the tank."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ FULL = {
     "targets": "goes to {name}, one more target than the {targets} of the chaser",
     "between": "goes to {name}, one more target than the {between} between refuellings",
 }
-"""What to say where a limit allows no further target."""
+"""Messages where a limit allows no further target."""
 
 NOTHING = CountLimits(targets=0, between=0)
 """Counts of an order without moves."""
 
 
 def counts_after(rules: Rules, counts: CountLimits, j: int) -> CountLimits:
-    """Counts of an order after a move; what does not limit it is not counted."""
+    """Counts of an order after a move, of limited quantities only."""
     if rules.is_station[j]:
         return counts._replace(between=0)
     limited = zip(counts, rules.limits, strict=True)
@@ -83,6 +83,6 @@ def why_broken(
 
 
 def told(rules: Rules, why: str, name: str) -> str:
-    """A reason with the name of a body and the numbers of a mission."""
+    """A reason, filled in with the name of a body and the limits of a mission."""
     most = rules.limits._asdict()
     return why.format(name=repr(name), kits=most_kits(rules.loads), **most)

@@ -31,16 +31,16 @@ FINEST = 0.01
 
 
 class PrizeLosses(NamedTuple):
-    """Losses of prizes as costs of labels: so that less lost comes before less cost.
+    """Losses of prizes, added to the costs of labels so that a smaller loss outranks any cost.
 
     Attributes
     ----------
     falls : Falls or None
         Of whole multiples of the unit; None if no prize falls.
     unit : float
-        More than any cost, a power of two.
+        Cost of one step of prize: a power of two above any cost.
     step : float
-        The prize that it stands for.
+        The step of prize.
     """
 
     falls: Falls | None
@@ -49,7 +49,7 @@ class PrizeLosses(NamedTuple):
 
     @classmethod
     def of(cls, falls: Falls | None, most_cost: float) -> PrizeLosses:
-        """From losses in prizes, and an upper limit on costs.
+        """Losses scaled above an upper limit on costs.
 
         Raises
         ------
@@ -63,13 +63,13 @@ class PrizeLosses(NamedTuple):
         last = falls.first[1:][np.diff(falls.first) > 0] - 1
         if math.ulp(float(steps[last].sum()) * unit) > FINEST:
             raise InputError(
-                f"prizes may fall by {steps[last].sum():.3g} units of {falls.unit:g}, which beside "
-                f"costs of up to {most_cost:.3g} are too many; round prizes, or state less ΔV"
+                f"prizes may fall by {steps[last].sum():.3g} units of {falls.unit:g}, too many for "
+                f"costs of up to {most_cost:.3g}; round the prizes, or lower the tanks' ΔV"
             )
         return cls(falls._replace(lost=steps * unit), unit, falls.unit)
 
     def apart(self, costs: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Losses of prizes, and costs, from the sums in labels."""
+        """Losses of prizes and costs, separated from their sums in labels."""
         if self.falls is None:
             return np.zeros(costs.size), costs
         lost = np.floor(costs / self.unit)
@@ -269,7 +269,7 @@ class Prizes:
         return prizes if prizes >= 0.0 else -math.inf
 
     def collected(self, bodies: Iterable[int]) -> float:
-        """Worth of bodies to planners, in any order; the most, where prizes fall."""
+        """Worth of bodies to planners, in any order; of falling prizes the greatest."""
         return math.fsum(self.planning_prizes[j] for j in bodies)
 
     def prizes(self, bodies: Sequence[int], ends_s: Sequence[float]) -> float:

@@ -129,13 +129,13 @@ class Problem(Shown, Prizes):
 
     @property
     def depends_on_mass(self) -> bool:
-        """Whether transfers cost what they do for the heaviest chaser alone."""
+        """Whether costs of transfers depend on mass, and are those of the heaviest chaser."""
         finders = [mission.connecting for mission in self.missions]
         return any(each.drive is not None and not each.relaxed for each in finders)
 
     @cached_property
     def relaxed(self) -> Problem:
-        """The same problem with lower bounds on what legs of low thrust cost, whatever the mass."""
+        """The same problem with lower bounds on the costs of low-thrust legs, whatever the mass."""
         connecting = ConnectionFinder(self.instance, self.connecting.corrections, relaxed=True)
         return self._of(self.instance, connecting, self.margin)
 
@@ -158,7 +158,7 @@ class Problem(Shown, Prizes):
 
     @cached_property
     def asks_for_least_end(self) -> bool:
-        """Whether a plan is an order of all targets, of which the end alone counts.
+        """Whether the task is to order all targets for the earliest end.
 
         One chaser over given connections, of which none leads to a station, all targets required,
         the cost the end of the mission, and a tank that no order empties.

@@ -1,4 +1,4 @@
-"""An order under larger limits: what would let a chaser fly an order that it cannot fly."""
+"""An order under larger limits: what a chaser would need to fly an order that it cannot fly."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def with_tank(chaser: Chaser, scale: float) -> Chaser:
 
 
 class Relaxed:
-    """An order under larger limits: their connections, and rules between them and the true ones.
+    """An order under larger limits, with the connections that those allow.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class Relaxed:
         return self._rules._replace(budget=budget, loads=loads)
 
     def front(self, moves: Moves, scale: float, *, counts: bool = True) -> Front | None:
-        """Labels at the end of an order, whose moves keep to its rules; None if it takes more.
+        """Labels at the end of an order of allowed moves; None if it needs still more.
 
         ``counts`` tells whether the chaser has as many kits as it has, and services as many targets
         as it may.

@@ -156,7 +156,7 @@ class Claim(NamedTuple):
         return math.inf if self.upper_bound is None else self.upper_bound
 
     def of(self, plan: Plan, **changes: Any) -> Plan:
-        """A plan that claims this, and nothing of its cost."""
+        """A plan with this claim, and no claim about its cost."""
         changes |= {"cost_bound": None, "cost_gap": None, "cost_status": None}
         return plan.replace(**self._asdict(), **changes)
 

@@ -196,7 +196,7 @@ class Scheduler:
 
     @property
     def unpriced(self) -> Scheduler:
-        """A scheduler to which all costs are alike, for whether and when an order can be flown.
+        """A scheduler that ignores costs, to find whether and when an order can be flown.
 
         Its fronts are of time and ΔV alone, and far shorter.
         """
@@ -213,21 +213,21 @@ class Scheduler:
         return self.connections(i, j) if found is None else found
 
     def _flyable(self, i: int, j: int, ready: FloatArray) -> Connections:
-        """The same with those that are for lighter chasers alone."""
+        """The connections of a pair for ready times, including those for lighter chasers only."""
         if self._of_class is None or not self._has_lighter or self._keeps_to_heaviest:
             return self.from_ready(i, j, ready)
         return self._of_class(i, j)
 
     @property
     def _reserve_m_s(self) -> float:
-        """ΔV that is kept back in each tank, of one without kits [m/s]."""
+        """ΔV kept in reserve in each tank, without kits aboard [m/s]."""
         rules = self._rules()
         full = rules.budget if rules.loads is None else float(rules.loads.full[0])
         return self._chaser.usable.delta_v_m_s + SLACK_M_S - full
 
     @property
     def _keeps_to_heaviest(self) -> bool:
-        """Whether only connections of the heaviest chaser are flown: venting is not exact.
+        """Whether only connections of the heaviest chaser are flown, as venting would not be exact.
 
         Where kits are left or objects towed, a reserve changes, and of two labels the one that has
         vented may be the one that needs less at the start.

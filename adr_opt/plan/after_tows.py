@@ -1,4 +1,4 @@
-"""Where chasers go on from after a tow (docs/model.md section 5.4).
+"""Orbits from which chasers continue after a tow (docs/model.md section 5.4).
 
 After a tow between circles a chaser that leaves at a time t is on the disposal orbit then,
 
@@ -37,7 +37,7 @@ KEPLER_STEPS = 30
 
 
 class Pieces(NamedTuple):
-    """A body as it is left, piece by piece of time.
+    """Rows of a body at departure, piece by piece of time.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Pieces(NamedTuple):
 
 
 class Pieced(NamedTuple):
-    """An object whose tow begins at an apogee, as a chaser leaves it.
+    """Departures from an object whose tow begins at an apogee.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Pieced(NamedTuple):
         return row
 
     def spaced(self, spacing_s: float, until_s: float) -> Pieces:
-        """Pieces up to a time, of which each begins at least a spacing after the one before [s]."""
+        """Pieces up to a time, each at least a spacing after the previous one [s]."""
         assert self.tow.apogees is not None
         period_s, lap = self.tow.apogees.period_s, 0
         first_s = self.ended_s(period_s)

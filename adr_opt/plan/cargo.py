@@ -267,7 +267,7 @@ def tank_worths(
 
 
 def _less(chaser: Chaser, kits: int, left_m_s: float, vented_kg: Sequence[float], at: int) -> float:
-    """Remaining ΔV after what is vented before a leg, by its place [m/s]."""
+    """Remaining ΔV after venting before a leg, by its place [m/s]."""
     mass = _mass_kg(chaser, kits, left_m_s)
     if mass is None or not vented_kg or not vented_kg[at]:
         return left_m_s

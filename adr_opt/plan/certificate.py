@@ -24,7 +24,7 @@ LARGEST_WORTH = 1e100
 
 Worth = Annotated[float, Field(ge=0.0, le=LARGEST_WORTH)]
 FINEST = 1e-8
-"""Shortest step [s] and narrowest slot [m/s]: finer ones take memory and tell nothing more."""
+"""Shortest step [s] and narrowest slot [m/s]: finer ones cost memory and prove no more."""
 
 Fineness = Annotated[float, Field(ge=FINEST)]
 Names = Annotated[tuple[Name, ...], Field(strict=False)]
@@ -81,7 +81,7 @@ class ProvenFloors(Record):
 
 
 class ProvenCost(Record):
-    """A least ΔV of the plans that collect ``prize`` or more.
+    """A lower bound on the ΔV of plans that collect ``prize`` or more.
 
     Each service of a walk counts ``per_prize`` times what the target is worth, required ones with
     ``required_worth``, and its legs and tows take off their ΔV.
@@ -174,7 +174,7 @@ class Certificate(Shown, Record):
         except FileNotFoundError:
             raise InputError(f"{path}: no such file; check the path") from None
         except (OSError, EOFError, zlib.error, UnicodeDecodeError):
-            raise InputError(f"{path}: not a whole file packed by gzip; write it again") from None
+            raise InputError(f"{path}: not a complete gzip file; write it again") from None
         return parse_model(text, cls, str(path))
 
     def save(self, path: str | os.PathLike[str]) -> None:

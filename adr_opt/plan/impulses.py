@@ -1,4 +1,4 @@
-"""Impulses as a chaser makes them: burns of one instant are one vector.
+"""Impulses as a chaser makes them: simultaneous burns are one vector.
 
 A plan lists its burns by phase, as its price counts them: the transfer ends by stopping at the
 stand-off, and the approach begins by leaving it, at the same time (docs/model.md section 2.2).
@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from typing import Any, Protocol, Self, TypeVar
 
 SAME_INSTANT_S = 1e-6
-"""Burns that are no further apart are made at one instant [s]."""
+"""Largest interval between burns that count as simultaneous [s]."""
 
 
 class Burning(Protocol):
@@ -19,12 +19,12 @@ class Burning(Protocol):
 
     @property
     def time_s(self) -> float:
-        """Its time [s]."""
+        """Time of the burn [s]."""
         ...
 
     @property
     def delta_v_m_s(self) -> tuple[float, float, float]:
-        """Its vector [m/s]."""
+        """Vector of the burn [m/s]."""
         ...
 
     def replace(self, **changes: Any) -> Self:
@@ -36,7 +36,7 @@ B = TypeVar("B", bound=Burning)
 
 
 def impulses_of(burns: Iterable[B]) -> tuple[B, ...]:
-    """Burns in time order, those of one instant as one vector, of the phase that it begins."""
+    """Burns in time order, simultaneous ones as one vector with the phase that it begins."""
     found: list[B] = []
     for burn in burns:
         if found and burn.time_s - found[-1].time_s <= SAME_INSTANT_S:

@@ -1,4 +1,4 @@
-"""Kits that hold the propellant which the disposal of their objects takes."""
+"""Sizing of kits for the propellant that the disposal of their objects takes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..problem.instance import Instance
 
 
 def disposal_m_s(target: Target) -> float:
-    """ΔV of a kit from the orbit of its object to that of disposal, by burns at its apsides [m/s].
+    """ΔV of a kit from its object's orbit to the disposal orbit, by burns at apsides [m/s].
 
     Raises
     ------
@@ -22,7 +22,7 @@ def disposal_m_s(target: Target) -> float:
     """
     orbit, disposal = target.orbit, target.disposal
     if orbit is None or disposal is None:
-        raise InputError(f"{target.name!r}: where its kit leads is not stated; give its disposal")
+        raise InputError(f"{target.name!r}: no disposal orbit for its kit; give its disposal")
     low_m = orbit.semi_major_axis_m * (1.0 - orbit.eccentricity)
     high_m = orbit.semi_major_axis_m * (1.0 + orbit.eccentricity)
     at_apogee = half_ellipse_speeds(high_m, low_m)[0]
@@ -35,7 +35,7 @@ def disposal_m_s(target: Target) -> float:
 
 
 def with_sized_kits(instance: Instance, isp_s: float, disposal: Disposal | None = None) -> Instance:
-    """The same mission with kits that hold what the disposal of any of its objects takes.
+    """The same mission with kits that hold enough propellant to dispose of any of its objects.
 
     Parameters
     ----------
@@ -59,7 +59,9 @@ def with_sized_kits(instance: Instance, isp_s: float, disposal: Disposal | None 
     takers = [target for target in targets if target.service.takes_kit]
     for target in takers:
         if target.mass_kg is None:
-            raise InputError(f"{target.name!r}: its mass is not known, by which kits are sized")
+            raise InputError(
+                f"{target.name!r}: its mass is unknown, but kits are sized by it; give its mass_kg"
+            )
 
     def sized(dry_kg: float) -> float:
         needs = (

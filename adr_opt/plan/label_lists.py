@@ -1,4 +1,4 @@
-"""Files of labels, the evidence beside a certificate for what it says of walks.
+"""Files of labels: the evidence for a certificate's claims on walks.
 
 A file is an ``npz`` with a list for each question about walks, in the order in which they are
 asked, as arrays ``0.body``, ``0.time`` and so on, and the digest of the certificate that it belongs
@@ -27,7 +27,7 @@ Columns = dict[str, npt.NDArray[Any]]
 
 
 class ColumnKind(NamedTuple):
-    """What a column is.
+    """Kind of a column.
 
     Attributes
     ----------
@@ -74,9 +74,9 @@ def load_lists(
         count = len({name.partition(".")[0] for name in arrays})
         lists = [_columns(arrays, f"{number}.", kinds) for number in range(count)]
     except (ValueError, KeyError) as error:
-        raise InputError(f"{path}: not a file of labels, or too large a one") from error
+        raise InputError(f"{path}: not a file of labels, or too large") from error
     if digest != _digest(certificate):
-        raise InputError(f"{path}: the labels of another certificate")
+        raise InputError(f"{path}: holds the labels of another certificate")
     return lists
 
 
@@ -110,5 +110,5 @@ def _columns(arrays: Columns, prefix: str, kinds: Mapping[str, ColumnKind]) -> C
         found[name] = column.astype(np.int64 if kind.whole else np.float64)
         sizes |= set() if kind.aside else {column.shape[-1]}
     if len(sizes) > 1:
-        raise ValueError("columns are not of one length")
+        raise ValueError("columns differ in length")
     return found

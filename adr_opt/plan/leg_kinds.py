@@ -103,7 +103,7 @@ def add_leg_kind(kind: LegKind) -> None:
         Its name is taken.
     """
     if kind.name in _known:
-        raise ValueError(f"there is a kind of legs {kind.name!r} already")
+        raise ValueError(f"a kind of legs {kind.name!r} is registered already")
     _known[kind.name] = kind
 
 

@@ -18,10 +18,10 @@ from ..problem.instance import Instance
 from .tows import removals_of
 
 ASSUMED_AREA_TO_MASS_M2_KG = 0.01
-"""Of an object whose file has none."""
+"""Area-to-mass ratio of an object whose file states none [m²/kg]."""
 
 ACTIVITY, MOST_YEARS = "mean", 1000.0
-"""Solar activity, and the lifetime beyond which none is told apart."""
+"""Solar activity, and the lifetime at which longer ones are cut off [years]."""
 
 
 def apsides_of(target: Target) -> tuple[float, float]:
@@ -68,7 +68,7 @@ def lifetimes_years(
 
 
 def unreleasable(instance: Instance, drive: Drive | None) -> frozenset[int]:
-    """Bodies that nobody may release where they would be.
+    """Bodies that must not be released, as they would stay too long or re-enter uncontrolled.
 
     They would stay in orbit longer than the mission allows, or are heavier than what may re-enter
     without control, as those of unknown mass are, and would not come down at once.

@@ -1,4 +1,4 @@
-"""Colours of things drawn beside phases: chasers, stations, zones and targets."""
+"""Colours of everything but phases: chasers, stations, zones and targets."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ VISITED = COLOURS["service"]
 UNVISITED = COLOURS["wait"]
 
 REASONS = {
-    "no-transfer": "no leg leads to it from where the plan ends, even with more of everything",
-    "several": "one more leg to it would need more than one of ΔV, time and a larger allowance",
+    "no-transfer": "no leg reaches it from the end of the plan, even with larger limits",
+    "several": "one more leg to it would exceed several limits at once",
     "duration": "one more leg to it would end too late for the mission, or for its window",
     "delta-v": "one more leg to it, in time, would need more ΔV than is left",
     "kits": "one more leg would reach it, but its chaser has no kit left for it",
-    "capacity": "one more leg would reach it, but its chaser services as many as it may",
+    "capacity": "one more leg would reach it, but its chaser services as many targets as allowed",
     "not-worth-it": "it could still be added at the end, but the plan leaves it out",
-    "not-considered": "no route to it was searched for: time or memory ran out",
+    "not-considered": "not considered: time or memory ran out",
 }
 """Meaning of the reasons for unvisited targets."""
 

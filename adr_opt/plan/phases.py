@@ -65,7 +65,7 @@ COLOURS = {phase.name: phase.colour for phase in _known}
 def refuse_known_phase(phase: Phase) -> None:
     """Raise :class:`ValueError` if the name of a phase is taken."""
     if phase.name in PHASES:
-        raise ValueError(f"there is a phase {phase.name!r} already")
+        raise ValueError(f"a phase {phase.name!r} is registered already")
 
 
 def add_phase(phase: Phase) -> None:

@@ -81,7 +81,7 @@ class Burn(Record):
 
     @property
     def size_m_s(self) -> float:
-        """Its ΔV [m/s]."""
+        """ΔV of the burn [m/s]."""
         return math.hypot(*self.delta_v_m_s)
 
 
@@ -135,12 +135,12 @@ class Tow(Record):
 
     @property
     def first_burn_s(self) -> float:
-        """When the object is moved first: by a burn, or by a spiral from its beginning [s]."""
+        """Time at which the tow first moves the object, by a burn or a spiral [s]."""
         return self.burns[0].time_s if self.burns else self.start_s
 
     @property
     def back_m_s(self) -> float:
-        """ΔV that the chaser takes alone, after the release [m/s]."""
+        """ΔV of the chaser alone, after the release [m/s]."""
         return math.fsum(burn.size_m_s for burn in self.burns if burn.phase == "return")
 
 
@@ -226,7 +226,7 @@ class Leg(Shown, Record):
 
     @property
     def impulses(self) -> tuple[Burn, ...]:
-        """Burns of the transfer as they are made: the stop and what begins the approach as one."""
+        """Burns of the transfer as made: the stop and the first burn of the approach are one."""
         return impulses_of(self.burns)
 
     @property
@@ -254,7 +254,7 @@ class Leg(Shown, Record):
 
     @property
     def at_once_m_s(self) -> float:
-        """What burns of one instant save as one vector; the price counts each of them [m/s]."""
+        """ΔV that simultaneous burns save as one vector; the price counts each burn [m/s]."""
         return math.fsum(burn.size_m_s for burn in self.burns) - self.burns_delta_v_m_s
 
 
@@ -282,7 +282,7 @@ class Unvisited(Record):
 
 
 class ExpectedPrize(Record):
-    """What following a plan collects on average (docs/model.md section 13.5).
+    """Prize that following a plan collects on average (docs/model.md section 13.5).
 
     ``prize`` is the mean of ``worlds`` rehearsals, with its ``standard_error``, in worlds of the
     uncertainty file whose digest is ``uncertainty_sha256``.
@@ -332,7 +332,7 @@ class Plan(Shown, Record):
 
     @property
     def has_former_drifts(self) -> bool:
-        """Whether the plan has drift legs from the former model, without a cost of phasing."""
+        """Whether the plan has drift legs of the former model, in which phasing cost nothing."""
         return self.model < MODEL and any(leg.kind == DRIFT.name for leg in self.legs)
 
     @property

@@ -1,4 +1,4 @@
-"""A plan file's record of its own flight: the cost of its legs, and what each tank had left.
+"""A plan file's record of its own flight: the cost of its legs, and the rest of each tank.
 
 It speaks of the legs that were flown. Their digest stands beside it, so that a plan whose legs were
 changed afterwards does not go for a flown one.

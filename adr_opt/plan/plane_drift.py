@@ -13,7 +13,7 @@ from .plan import Plan
 
 LEAST_DEG = 0.1
 LEAST_SHARE = 0.01
-"""Least drift, and least share of a plan's ΔV, that is worth a warning."""
+"""Thresholds of a warning: drift of the planes, and its share of a plan's ΔV."""
 
 MOST_RATES = 1000
 """Largest number of bodies whose pairs are all compared; of more, an evenly spread sample."""

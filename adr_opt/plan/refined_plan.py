@@ -48,7 +48,7 @@ class PlanReference(Record):
 
 
 class EphemeridesReference(Record):
-    """Reference to the ephemerides that legs were refined onto, as the instance has it."""
+    """Reference to the ephemerides that legs were refined onto, copied from the instance."""
 
     kind: EphemerisKind
     sha256: Digest
@@ -116,7 +116,7 @@ class RefinedTow(Record):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.thrust is not None and self.planned_delta_v_m_s is None:
-            raise ValueError("field planned_delta_v_m_s: a spiral needs it")
+            raise ValueError("field planned_delta_v_m_s: missing, but a spiral needs it; add it")
         if self.thrust is not None:
             windows = self.thrust.windows_s
             if self.burns or not windows:
@@ -142,14 +142,14 @@ class RefinedTow(Record):
 
     @property
     def onward(self) -> RefinedState:
-        """Where the chaser goes on from: the release, and after it a burn back."""
+        """State from which the chaser continues: the release, or the burn back after it."""
         back = [burn.delta_v_m_s for burn in self.burns if burn.phase == "return"]
         velocity = [math.fsum(part) for part in zip(self.released.velocity_m_s, *back, strict=True)]
         return self.released.replace(velocity_m_s=tuple(velocity)) if back else self.released
 
     @property
     def back_m_s(self) -> float:
-        """ΔV that the chaser takes alone [m/s]."""
+        """ΔV of the chaser alone, after the release [m/s]."""
         return math.fsum(burn.size_m_s for burn in self.burns if burn.phase == "return")
 
     @property
@@ -166,7 +166,7 @@ class RefinedTow(Record):
 
     @property
     def planned_m_s(self) -> float:
-        """ΔV of the plan [m/s]; burns are as large as there."""
+        """ΔV of the tow in the plan [m/s], which burns have as well."""
         planned = self.planned_delta_v_m_s
         return self.delta_v_m_s if planned is None else planned
 
@@ -220,13 +220,13 @@ class RefinedLeg(Record):
 
     @property
     def spent_m_s(self) -> float:
-        """ΔV of burns and arcs, whatever ΔV is stated [m/s]."""
+        """ΔV of burns and arcs, as recomputed from them [m/s]."""
         arcs = 0.0 if self.thrust is None else self.thrust.delta_v_m_s
         return math.fsum((arcs, *(burn.size_m_s for burn in self.burns)))
 
     @property
     def impulses(self) -> tuple[RefinedBurn, ...]:
-        """Its burns as they are made: files of before 2.0 state two at the stand-off."""
+        """Burns as made, one vector at the stand-off: files from before 2.0 state two there."""
         return impulses_of(self.burns)
 
     @property
@@ -247,7 +247,7 @@ class RefinedLeg(Record):
 
     @property
     def planned_removal_m_s(self) -> float:
-        """The same as planned [m/s]."""
+        """Planned ΔV of the tow of the destination, and after a launch of that before it [m/s]."""
         return math.fsum(tow.planned_m_s for tow in self.removals)
 
     @property
@@ -388,7 +388,7 @@ class RefinedPlan(Shown, Record):
         for leg in self.legs:
             if (leg.holding_delta_v_m_s is None) != (self.ephemerides is None):
                 raise ValueError(
-                    f"field holding_delta_v_m_s of leg {leg.leg}: must stand exactly where the "
+                    f"field holding_delta_v_m_s of leg {leg.leg}: must be given exactly if the "
                     "plan has ephemerides"
                 )
         return self
@@ -419,7 +419,7 @@ class RefinedPlan(Shown, Record):
         return any(leg.thrust is not None for leg in self.legs)
 
     def made_of(self, plan: Plan) -> Self:
-        """The same, saying that it was made of a plan."""
+        """A copy that refers to a plan as the one that was refined."""
         return self.replace(plan=reference(plan), planned=plan)
 
     def to_json(self) -> str:

@@ -116,7 +116,7 @@ def routes_of(instance: Instance, plan: Plan) -> tuple[Flown, ...]:
         if route.chaser not in waiting:
             raise InputError(
                 f"routes[{number}].chaser = {route.chaser!r}: "
-                + refused_chaser(instance, route.chaser, "it has a route already")
+                + refused_chaser(instance, route.chaser, "it already has a route; join the two")
             )
         found.append(Flown(waiting.pop(route.chaser), numbered[at : at + len(route.legs)]))
         at += len(route.legs)

@@ -1,4 +1,4 @@
-"""Tows: an object is brought to its orbit of disposal, from where the chaser goes on.
+"""Tows: a chaser brings an object to its disposal orbit, and continues from there.
 
 With impulses a tow is flown in the object's plane, in one of two ways:
 
@@ -50,11 +50,11 @@ APOGEE_M_S = 1.0
 """Cost of eccentricity v e / 2 from which a tow begins at an apogee [m/s]."""
 
 SAME_LAP = 1e-6
-"""Part of a revolution before an apogee at which a time counts as that of the apogee."""
+"""Share of a revolution before an apogee within which a time counts as the apogee's."""
 
 
 class Apogees(NamedTuple):
-    """When an object is at its apogee: at ``first_s``, and each ``period_s`` after and before it.
+    """Times of an object's apogees: ``first_s``, and multiples of ``period_s`` before and after it.
 
     Attributes
     ----------
@@ -110,13 +110,13 @@ class RemovalFlight(NamedTuple):
     def takes_kg(
         self, mass_kg: float, exhaust_m_s: float, delta_v_m_s: float | None = None
     ) -> float:
-        """Propellant of a chaser with a mass before it; ``delta_v_m_s`` if it took another."""
+        """Propellant that the tow takes, from the chaser's mass before it [kg]."""
         docked = (self.delta_v_m_s if delta_v_m_s is None else delta_v_m_s) - self.back_m_s
         lost = (mass_kg + self.object_kg) * -math.expm1(-docked / exhaust_m_s)
         return lost + (mass_kg - lost) * -math.expm1(-self.back_m_s / exhaust_m_s)
 
     def needed_kg(self, mass_kg: float, exhaust_m_s: float) -> float:
-        """Mass of a chaser before the tow, from that after it."""
+        """Mass of a chaser before the tow, from its mass after it [kg]."""
         alone = mass_kg * math.exp(self.back_m_s / exhaust_m_s)
         docked = self.delta_v_m_s - self.back_m_s
         return (alone + self.object_kg) * math.exp(docked / exhaust_m_s) - self.object_kg
@@ -130,7 +130,7 @@ class RemovalFlight(NamedTuple):
         return self.apogees.first_s + laps * self.apogees.period_s
 
     def burn_times_s(self, begins_s: float) -> tuple[float, ...]:
-        """Times of the burns of a tow by that of the first [s]."""
+        """Times of the burns of a tow, from the time of the first [s]."""
         assert self.burns_m_s is not None
         return tuple(begins_s + (at > 0) * self.flight_s for at in range(len(self.burns_m_s)))
 

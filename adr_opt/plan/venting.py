@@ -18,11 +18,11 @@ from .plan import Leg
 from .tows import removals_by_name
 
 LEAST_KG = 1e-9
-"""Propellant that is not worth venting: what rounding leaves [kg]."""
+"""Amount of propellant below which nothing is vented: it is due to rounding [kg]."""
 
 
 def vented(instance: Instance, chaser: Chaser, legs: Iterable[Leg]) -> Iterator[Leg]:
-    """Legs of a chaser with what is vented, so that each is flown with a mass of its class.
+    """Legs of a chaser with vented propellant, so that each is flown with a mass of its class.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def vented(instance: Instance, chaser: Chaser, legs: Iterable[Leg]) -> Iterator[
 def _most_kg(
     instance: Instance, chaser: Chaser, tank: TankByMass, legs: Sequence[Leg]
 ) -> list[float]:
-    """Largest mass before each leg with which this one and all others of its tank can be flown."""
+    """Largest mass before each leg with which it and the later legs of the tank can be flown."""
     takers = {target.name for target in instance.targets if target.service.takes_kit}
     tows, exhaust = removals_by_name(instance, drive_of(chaser, instance.targets)), tank.exhaust_m_s
     after, found = math.inf, []

@@ -52,7 +52,7 @@ def planned(
 
 
 def bounded(found: Result) -> Result:
-    """A bound with the lightest chaser, whose plans are none of the mission."""
+    """A bound with the lightest chaser; its plans are not plans of the mission."""
     return replace(
         found,
         sequence=None,

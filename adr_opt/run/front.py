@@ -63,11 +63,11 @@ __all__ = [
 
 
 SHORT_S = 3.0
-"""Limit within which a timetable is not worth its time, if there is a plan without one [s]."""
+"""Time limit below which no timetable is built if a plan can be made without one [s]."""
 
 WRITING_S, WRITING_SHARE = 1e-4, 0.4
-"""Time kept for the plan's legs and for the reasons of targets left out, for each body, and at most
-as a share of the limit [s]."""
+"""Time reserved per body to make the legs and explain targets left out [s], and its largest share
+of the time limit."""
 
 
 def solve(  # noqa: PLR0913
@@ -303,7 +303,7 @@ def _run(
     others = () if stop is None else (stop,)
     drifts, tours = whole.connecting.is_listed, is_tour(whole, known)
     if tours and start is not None:
-        raise InputError("start: a campaign planned as a tour through time begins from none")
+        raise InputError("start: a campaign planned as a tour takes no start plan; leave it out")
     bare = tours or (known.orders_all and bound is None and may_go_without(whole))
     if drifts and not whole.has_timetable and not bare:
         _announce(whole.instance, sizing)
@@ -355,7 +355,7 @@ def _run(
 def _begun(
     problem: Problem, begins: Callable[..., Any], seed: int, stop: Stop, progress: Progress
 ) -> Routes | None:
-    """The first routes of a problem without a timetable, by the function of a method."""
+    """First routes of a problem without a timetable, by a function of the method."""
     problem.do_without()
     try:
         found: Routes | None = begins(problem, seed=seed, stop=stop, progress=progress)

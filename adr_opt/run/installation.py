@@ -19,10 +19,10 @@ from ..common.version import __version__
 from .methods import BOUNDS, PLANNERS, names
 
 LEAST_MEMORY_BYTES = 2.0**30
-"""Memory below which a warning is due: kernels and a timetable of 50 targets take half of it."""
+"""Free memory below which to warn: kernels and a timetable of 50 targets take half of it."""
 
 OF_OTHERS = ("llvmlite", "pydantic-core")
-"""Packages that come with required ones, and whose versions matter."""
+"""Packages installed with required ones whose versions matter."""
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ def _of_methods() -> Iterator[str]:
 
 
 def _uncompiled() -> str | None:
-    """Why no kernel is compiled; None if all are. Not to be asked without Numba."""
+    """Why no kernel is compiled; None if kernels are. Call only where Numba is installed."""
     from ..kernels.core import enabled
 
     return enabled.obstacle()
@@ -206,13 +206,13 @@ def kernel_cache() -> Cache:
         if trouble is None:
             sizes = [each.stat().st_size for each in folder.glob("*.kernel")]
             if first is not None:
-                first += f", so that they are kept in {folder}, which the next restart may empty"
+                first += f", so they are kept in {folder}, which the next restart may empty"
                 first += f"; make it writable, or name another folder in {cache.VARIABLE}"
             return Cache(str(folder), len(sizes), sum(sizes), first)
         first = first or f"compiled kernels cannot be kept in {folder} ({trouble})"
     said = first or "there is no folder to keep compiled kernels in"
     cure = f"name a folder that is writable in {cache.VARIABLE}"
-    return Cache("", 0, 0, f"{said}, so that every run compiles for a minute; {cure}")
+    return Cache("", 0, 0, f"{said}, so every run compiles for a minute; {cure}")
 
 
 def _unwritable(folder: Path) -> str | None:
@@ -227,19 +227,19 @@ def _unwritable(folder: Path) -> str | None:
     nearest = next(each for each in (folder, *folder.parents) if each.exists())
     if nearest.is_dir() and os.access(nearest, os.W_OK | os.X_OK):
         return None
-    return f"{nearest} is not a folder that one may write to"
+    return f"{nearest} is not a writable folder"
 
 
 def archive() -> str:
-    """State of the archive of compiled kernels that wheels bring, in words."""
+    """State of the archive of compiled kernels in wheels, in words."""
     from ..kernels.core import archive
 
     if not archive.FILE.is_file():
-        return "none in this installation, so that kernels are compiled when first called"
+        return "none in this installation; kernels are compiled when first called"
     if not archive.serves_this_processor():
-        return f"for processors of level {archive.LEVEL}, which this one is not"
+        return f"made for processors of level {archive.LEVEL}, which this one does not reach"
     if not archive.is_usable():
-        return f"for {archive.versions_of_archive()}, which this Python has not"
+        return f"made for {archive.versions_of_archive()}, which this Python does not have"
     return f"{len(archive.names())} kernels for processors of level {archive.LEVEL}"
 
 

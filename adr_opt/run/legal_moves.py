@@ -73,10 +73,10 @@ def why_not_flown(mission: Mission, moves: list[int], made: int) -> str:
     rules, j = mission.rules, moves[made]
     name = repr(mission.names[j])
     if rules.is_station[j] and rules.windows.closing[j] == -math.inf:
-        return f"goes to {name}, where no refuelling is left"
+        return f"goes to {name}, whose refuellings are used up"
     ways = _ways(mission, moves, made)
     if not ways.end_s.size:
-        return f"goes to {name}, to which no transfer is left"
+        return f"goes to {name}, but no transfer there leaves in time"
     lacks_m_s = ways.needs_m_s - ways.left_m_s
     in_time = ways.end_s <= rules.windows.closing[j] + rules.service[j]
     paid = lacks_m_s <= 0.0
@@ -132,7 +132,7 @@ def _for_service(loads: Loads | None, body: int, kits: int) -> float:
 
 
 def _after(mission: Mission, body: int, end_s: float) -> str:
-    """The limit that an end violates."""
+    """The limit that the end of a leg exceeds, in words."""
     rules = mission.rules
     service_s, closing_s = float(rules.service[body]), float(rules.windows.closing[body])
     if end_s <= rules.duration:

@@ -28,14 +28,15 @@ from .warm_up import USUAL, PracticeKind, PracticeStop
 Taken = TypeVar("Taken")
 
 FALLBACK = "greedy-guarded"
-"""Planner that takes a millisecond: the least that any planner returns when time runs out."""
+"""Planner that takes a millisecond; when time runs out, no planner returns a worse plan than
+its."""
 
 PUBLISHED = "greedy"
-"""A baseline that never changes."""
+"""Baseline planner that never changes."""
 
 
 class _Shown:
-    """A stopping criterion in terms of prizes, for methods using worths (:meth:`Mission.shown`)."""
+    """A stopping criterion in prizes, for methods that use worths (:meth:`Mission.shown`)."""
 
     def __init__(self, problem: Problem, stop: Stop) -> None:
         self._problem = problem
@@ -51,7 +52,7 @@ class _Shown:
 
 
 def _shown(problem: Problem, progress: Progress) -> Progress:
-    """A progress callback that receives prizes, for methods that count worths."""
+    """A progress callback that receives prizes, for methods that use worths."""
 
     def tell(incumbent: float, bound: float) -> None:
         progress(problem.shown(incumbent), problem.shown(bound))
@@ -213,7 +214,7 @@ def prepare(
             raise InputError("jobs is given twice, also as an option of the method; give it once")
         chosen["jobs"] = jobs
     if repair and not starts:
-        raise InputError("repair mends a start plan, but none is given; give one with start")
+        raise InputError("repair needs a start plan, but none is given; give one with start")
     if starts and not known.starts:
         raise InputError(
             f"method {method!r} takes no start plan; leave it out"

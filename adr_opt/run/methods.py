@@ -27,10 +27,10 @@ BOUNDS = "adr_opt.bounds"
 """Entry-point groups; a package that declares one of them is found once installed."""
 
 REMOVED = {"cpsat": "was removed in 2.0; use 'exact', or 'mip' for a model to read"}
-"""What to say of methods that are no more."""
+"""Messages about removed methods."""
 
 FIXED = frozenset({"seed", "stop", "progress", "start"})
-"""Parameters of methods that are not options."""
+"""Parameters of methods besides their options."""
 
 
 class Planner(Protocol):

@@ -30,7 +30,7 @@ def serves(known: Instance, wanted: Instance) -> bool:
 
 
 def _alike(known: Instance, wanted: Instance) -> bool:
-    """Whether connections are equal, as far as both missions last."""
+    """Whether connections are equal up to the end of the shorter mission."""
     fields = set(Instance.model_fields) - {"name", "targets", "chasers", "mission"}
     if any(getattr(known, name) != getattr(wanted, name) for name in fields):
         return False
@@ -46,7 +46,7 @@ def _alike(known: Instance, wanted: Instance) -> bool:
 
 
 def _but_for(records: Sequence[Record], *fields: str) -> list[tuple[Any, ...]]:
-    """Content of records without some fields."""
+    """Contents of records, some fields excluded."""
     return [
         tuple(getattr(each, name) for name in type(each).model_fields if name not in fields)
         for each in records
@@ -88,7 +88,7 @@ def _is_part(known: Problem, wanted: Instance) -> bool:
 
 
 def _on_what_is_there(known: Problem, instance: Instance) -> Problem:
-    """A problem on the timetable of another with at least the same targets."""
+    """A problem on the timetable of another instance that has at least the same targets."""
     connecting = known.connecting.shortened(instance)
     timetables = [mission.timetable.of_variant(instance, connecting) for mission in known.missions]
     # Other choices of connections are shared, too, as far as they are of the same bodies.

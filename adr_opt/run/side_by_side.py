@@ -48,7 +48,7 @@ class Meeting:
         self.bound = math.inf
 
     def hear(self, incumbent: float, bound: float) -> None:
-        """Update the incumbent and the bound where they are better."""
+        """Update the incumbent and the bound if they have improved."""
         with self._lock:
             if incumbent > self.incumbent or bound < self.bound:
                 self.incumbent = max(self.incumbent, incumbent)

@@ -26,7 +26,7 @@ SHARE = 1.0 / 3.0
 """Share of a time limit that building the timetable may take, as searching it needs time, too."""
 
 PATIENCE = 1.5
-"""Factor by which that may be exceeded if it completes the timetable."""
+"""Factor by which that share may be exceeded if it completes the timetable."""
 
 MOMENT_S = 0.5
 """Remaining build time for which an interruption waits [s]."""
@@ -170,7 +170,7 @@ def may_work_on_demand(whole: Problem) -> bool:
 
 
 def _allowed_s(limit_s: float) -> float:
-    """Time for a timetable that is not all of the answer [s]."""
+    """Time allowed to build a timetable [s]."""
     return max(LEAST_S, SHARE * limit_s)
 
 
@@ -194,7 +194,7 @@ def ask_for_rows(whole: Problem) -> None:
 
 
 def may_go_without(whole: Problem) -> bool:
-    """Whether arrivals are functions, or all targets are put in order on a large timetable."""
+    """Whether arrivals are functions of time, or the timetable of a tour of targets is large."""
     if whole.has_timetable or whole.missions[0].has_functions:
         return not whole.has_timetable
     return whole.asks_for_least_end and estimate(whole.instance).entries >= LARGE_ENTRIES

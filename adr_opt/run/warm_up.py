@@ -24,7 +24,7 @@ from ..problem.transfer_sizes import transfers_for
 from ..sources.generator import generate
 
 PRIZES = (1.0, 1.1, 1.2)
-"""Unequal, so that no method ends at once."""
+"""Prizes of practice missions, unequal so that no method ends at once."""
 
 SPAN_S = 100.0
 """Duration of missions with functions of time [s]."""
@@ -48,7 +48,7 @@ def electric_instance(several: bool) -> Instance:
 
 
 def timed_instance(required: bool) -> Instance:
-    """A van whose roads take longer at noon; of all its targets, or of the best of them."""
+    """A van whose roads take longer at noon, with all targets required or none."""
     names = ["depot", *(f"target-{number}" for number in range(5))]
     pairs = []
     for at, (i, j) in enumerate(permutations(names, 2)):
@@ -76,7 +76,7 @@ def timed_instance(required: bool) -> Instance:
 
 
 LONGEST_S = 10.0
-"""Limit for methods that ask for the time alone, without compiling [s]."""
+"""Time limit for methods that query only the time, compilation excluded [s]."""
 
 
 class PracticeKind(NamedTuple):
@@ -179,7 +179,7 @@ def timed_problem(required: bool = False) -> Problem:
 
 @cache
 def tour_problem() -> Problem:
-    """Launches one after another onto targets that must all be done, and no timetable."""
+    """A campaign of launches in sequence with all targets required, without a timetable."""
     field = generate("removal", 0, targets=5)
     rest_s, leg_s, service_s = 5.0 * DAY_S, 60.0 * DAY_S, 5.0 * DAY_S
     mission = field.mission.replace(
@@ -233,10 +233,10 @@ class PracticeStop:
         self._limit = MaxRuntime(LONGEST_S)
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         self._left -= 1
         return self._left < 0 or self._limit(incumbent, bound)
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return self._limit.remaining_s()

@@ -1,4 +1,4 @@
-"""Studies: rows that are functions of their keys, made once, in one file to go on from."""
+"""Studies: rows computed once from their keys, in one file from which any run can resume."""
 
 from .file import check_file
 from .run import Run, check_jobs, run

@@ -1,4 +1,4 @@
-"""Calls and rows that the workers of a Dask cluster make."""
+"""Calls and rows computed by the workers of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def client_of(address: str) -> Any:
     """
     found = re.fullmatch(r"(?:dask|tcp|tls)://([^/\s]+:\d+)/?", address)
     if found is None:
-        raise InputError(f"--cluster: {address!r} is no address; write dask://HOST:PORT")
+        raise InputError(f"--cluster: {address!r} is not an address; write dask://HOST:PORT")
     try:
         import distributed
     except ImportError:
@@ -148,22 +148,22 @@ class Elsewhere:
 
     @property
     def count(self) -> int:
-        """Number of groups at once."""
+        """Number of groups that can run at once."""
         return self._cluster.count
 
     @property
     def busy(self) -> int:
-        """Number of groups that are being made."""
+        """Number of groups under way."""
         return len(self._out)
 
     def submit(self, keys: tuple[Any, ...]) -> None:
-        """Have the rows of a group made; they all come at its end."""
+        """Submit a group of keys; all its rows come at its end."""
         self._out[self._cluster.submit(_made_there, self._token, self._row, self._dumps(keys))] = (
             keys
         )
 
     def wait(self, longest_s: float) -> list[tuple[Any, Answer]]:
-        """What has come of keys since the last call, after a wait for the first of them."""
+        """Answers since the last call, after waiting for the first one."""
         found: list[tuple[Any, Answer]] = []
         for each in wait(self._out, longest_s, FIRST_COMPLETED).done:
             keys = self._out.pop(each)
@@ -178,7 +178,7 @@ class Elsewhere:
         return found
 
     def close(self) -> None:
-        """End all work, whatever is being made."""
+        """End all work, finished or not."""
         self._cluster.shutdown()
 
 

@@ -1,4 +1,4 @@
-"""The file of a study: a head that says what its rows are of, then a line of JSON for each row.
+"""The file of a study: a head that describes the rows, then a line of JSON for each row.
 
 It is only appended to, by one process at a time. A last line without an end was cut off, by a kill
 or the end of the machine: it is dropped. Any other line that is no row is refused, and so is a file
@@ -26,8 +26,8 @@ from .study import Study, text_of
 FORMAT = "adr-opt-study/1"
 
 FLUSHED_S = 1.0
-"""Longest time after which rows survive the end of the machine; that of the process they always
-do [s]."""
+"""Longest time until rows are safe from a crash of the machine [s]; one of the process never loses
+any."""
 
 HEADS_BEFORE = {"adr-opt-designs/1", "adr-opt-scenario/1", "adr-opt-rehearsals/1"}
 """Formats of files of 1.0."""
@@ -83,7 +83,7 @@ class StudyFile:
         self._opened.callback(os.fsync, self._file.fileno())
         try:
             self._opened.enter_context(
-                locked(self._path, "another call is writing to it; wait for it, or end that one")
+                locked(self._path, "another call is writing to it; wait until that ends, or end it")
             )
             content = self._content()
             whole = content[: content.rfind(b"\n") + 1]
@@ -95,7 +95,7 @@ class StudyFile:
             raise
 
     def append(self, rows: Iterable[tuple[Any, Any, float]]) -> None:
-        """Write rows, each a key, a value and seconds, at once and whole.
+        """Write rows (key, value and seconds) immediately and completely.
 
         Raises
         ------
@@ -111,7 +111,7 @@ class StudyFile:
         self._write(os.fstat(self._file.fileno()).st_size, lines)
 
     def close(self) -> None:
-        """Let others write to the file."""
+        """Release the file for other writers."""
         self._opened.close()
 
     def _content(self) -> bytes:
@@ -122,7 +122,7 @@ class StudyFile:
             raise self._unwritable(error) from None
 
     def _write(self, size: int, lines: bytes) -> None:
-        """Write lines after a number of bytes, or leave these alone."""
+        """Write lines after a number of bytes; on failure, leave the file as it was."""
         try:
             self._file.truncate(size)
             try:
@@ -144,7 +144,7 @@ class StudyFile:
 
 
 def read(path: str | os.PathLike[str], study: Study[Any, Any]) -> dict[str, Stored]:
-    """Rows of a file by the text of their keys, whoever is writing to it.
+    """Rows of a file by the text of their keys, even while another process writes to it.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def read(path: str | os.PathLike[str], study: Study[Any, Any]) -> dict[str, Stor
 
 
 def check_file(path: str | os.PathLike[str] | None, study: Study[Any, Any]) -> None:
-    """Refuse, before any work, a file that a study cannot go on with.
+    """Refuse, before any work, a file from which a study cannot resume.
 
     Raises
     ------
@@ -212,8 +212,7 @@ def _check_head(path: Path, first: bytes, study: Study[Any, Any], *, whole: bool
     stated = head.get("format") if isinstance(head, dict) else None
     if isinstance(stated, str) and stated in HEADS_BEFORE:
         raise InputError(
-            f"{path}: a file of adr-opt 1.0, which this version does not go on with; name another "
-            "file"
+            f"{path}: a file of adr-opt 1.0, which this version cannot resume; name another file"
         )
     if not whole or stated != FORMAT:
         raise InputError(f"{path}: {otherwise}")
@@ -234,7 +233,7 @@ def _check_head(path: Path, first: bytes, study: Study[Any, Any], *, whole: bool
 
 
 def _is_row(row: dict[str, Any]) -> bool:
-    """Whether an object is a row as it is written, of numbers that are finite."""
+    """Whether an object has the form of a row, with finite numbers."""
     if row.keys() != {"key", "value", "seconds"}:
         return False
     try:

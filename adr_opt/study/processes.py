@@ -22,17 +22,17 @@ from .study import Place
 from .workers import Answer, Row, WorkerDied, made_of, sendable
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-"""Each process has one core; without these, libraries would start a thread for each core."""
+"""Environment that gives each process one thread; libraries would start one for each core."""
 
 ENDING_S = 5.0
-"""Longest wait for a process that was told to end [s]."""
+"""Longest wait for a process to end when asked to [s]."""
 
 _starting = threading.Lock()
 
 
 @dataclass
 class _Worker:
-    """A process with the keys that it has still to make, and whether one died over the first."""
+    """A process with its remaining keys, and whether another process died on the first of them."""
 
     process: BaseProcess
     line: Connection
@@ -41,7 +41,7 @@ class _Worker:
 
 
 class Processes:
-    """Rows made in some processes, each with one group of keys at a time.
+    """Rows computed in several processes, each with one group of keys at a time.
 
     Parameters
     ----------
@@ -58,11 +58,11 @@ class Processes:
 
     @property
     def busy(self) -> int:
-        """Number of groups that are being made."""
+        """Number of groups under way."""
         return len(self._busy)
 
     def submit(self, keys: tuple[Any, ...], *, died: bool = False) -> None:
-        """Have the rows of a group made by a process that has nothing to do, or a new one."""
+        """Submit a group of keys to an idle process or a new one."""
         worker = self._idle.pop() if self._idle else self._started()
         worker.keys, worker.died = keys, died
         self._busy.append(worker)
@@ -70,7 +70,7 @@ class Processes:
             worker.line.send(keys)
 
     def wait(self, longest_s: float) -> list[tuple[Any, Answer]]:
-        """What has come of keys since the last call, after a wait for the first of them."""
+        """Answers since the last call, after waiting for the first one."""
         found: list[tuple[Any, Answer]] = []
         lines = {worker.line: worker for worker in self._busy}
         for line in wait(list(lines), longest_s):
@@ -88,7 +88,7 @@ class Processes:
         return found
 
     def _after_death(self, worker: _Worker) -> list[tuple[Any, Answer]]:
-        """Go on with the keys of a process that died; what is given up of them."""
+        """Continue with the keys of a process that died; returns the answers given up."""
         self._busy.remove(worker)
         worker.line.close()
         worker.process.join()
@@ -98,11 +98,11 @@ class Processes:
             return []
         if others:
             self.submit(tuple(others))
-        error = WorkerDied(f"its process died, twice (exit code {worker.process.exitcode})")
+        error = WorkerDied(f"its process died twice (exit code {worker.process.exitcode})")
         return [(first, Answer(None, error, 0.0))]
 
     def close(self) -> None:
-        """End the processes, whatever they do."""
+        """End the processes, finished or not."""
         workers = [*self._busy, *self._idle]
         for worker in workers:
             worker.line.close()
@@ -127,7 +127,7 @@ class Processes:
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """The environment of processes that have one core each."""
+    """Set the environment of processes with one core each."""
     with _starting:
         before = {name: os.environ.get(name) for name in ONE_THREAD}
         os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
@@ -142,7 +142,7 @@ def _one_thread() -> Iterator[None]:
 
 
 def _serve(line: Connection, row: bytes) -> None:
-    """Make rows for another process, until that one ends."""
+    """Compute rows for the parent process until it ends."""
     # Ctrl-C goes to every process of the terminal; the one that began the study decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()

@@ -1,4 +1,4 @@
-"""Runs of a study: rows that a file has not are made, and written as they are finished."""
+"""Runs of a study: missing rows are computed, and written to its file as they finish."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ SHARE = 4
 """Least number of calls for each process, so that all end at about the same time."""
 
 FEWEST_OF_CLUSTER = 16
-"""Number of workers that a cluster is taken to have at least, for the size of calls."""
+"""Least number of workers assumed of a cluster, for the size of calls."""
 
 Told = Callable[[int, int], None]
 
 
 class Run(Generic[K, V]):
-    """A run of a study; a context, at whose end processes end and others may write to the file.
+    """A run of a study, as a context manager: at its end processes end and the file is released.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class Run(Generic[K, V]):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """End, whatever is being made."""
+        """End the run, finished or not."""
         if self._workers is not None:
             self._workers.close()
         if self._file is not None:
@@ -88,7 +88,7 @@ class Run(Generic[K, V]):
 
     @property
     def workers(self) -> int:
-        """Number of rows that are made at once."""
+        """Number of rows computed at once."""
         return self._started().count
 
     def known(self, key: K) -> V | None:
@@ -103,11 +103,11 @@ class Run(Generic[K, V]):
         return None if stored is None else row_of(self._study, key, stored)
 
     def forget(self, key: K) -> None:
-        """Make the row of a key anew, whatever the file has."""
+        """Compute the row of a key again, even if the file has it."""
         self._found.pop(self._study.name(key), None)
 
     def rows(self, groups: Iterable[tuple[K, ...]]) -> Iterator[tuple[K, V]]:
-        """Keys with their rows: those of the file at once, others as they are finished.
+        """Keys with their rows: those of the file immediately, others as they finish.
 
         Parameters
         ----------
@@ -158,7 +158,7 @@ class Run(Generic[K, V]):
         return self._study.failed(key, made.error)
 
     def _started(self) -> Workers:
-        """Who makes rows, from the first one that is missing."""
+        """The workers, started for the first missing row."""
         if self._workers is None:
             row, jobs = self._study.row, self._jobs or usable_cores()
             if self._cluster is not None:
@@ -185,7 +185,7 @@ def run(
     told: Told = lambda done, of: None,
     most: int = 1,
 ) -> dict[K, V]:
-    """Rows of hashable keys, in the order of the keys; of those that a stop left out, none.
+    """Rows of hashable keys, in the order of the keys; keys cut off by a stop are omitted.
 
     Parameters
     ----------
@@ -233,7 +233,7 @@ def check_jobs(jobs: int, cluster: str | None) -> None:
 
 
 def row_of(study: Study[K, V], key: K, stored: Stored) -> V:
-    """The row of a key from what a file has of it.
+    """The row of a key, restored from its stored form.
 
     Raises
     ------

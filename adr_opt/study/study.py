@@ -1,4 +1,4 @@
-"""A study: rows that are functions of their keys, and all else that they depend on."""
+"""A study: rows as a function of their keys, with everything else that they depend on."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Place(NamedTuple):
 
     @property
     def is_over(self) -> bool:
-        """Whether to begin nothing more."""
+        """Whether to begin no further row."""
         return self.stop is not None and self.stop.remaining_s() <= 0.0
 
 
@@ -43,7 +43,7 @@ def _as_stored(key: Any, value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Study(Generic[K, V]):
-    """What is studied: the function of a row, and how keys and rows stand in a file.
+    """Definition of a study: the function of a row, and the stored form of keys and rows.
 
     Attributes
     ----------

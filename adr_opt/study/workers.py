@@ -1,4 +1,4 @@
-"""Who makes rows: this process, others of this machine, or the workers of a cluster."""
+"""Workers that compute rows: this process, others of this machine, or those of a cluster."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ Row = Callable[[Any, Place], Any]
 
 
 class WorkerDied(BrokenExecutor):
-    """The process that made a row ended, twice."""
+    """The process that computed a row died twice."""
 
 
 class Answer(NamedTuple):
-    """What came of a key.
+    """Outcome of a key: its row, or an error.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Answer(NamedTuple):
 
 
 class Workers(Protocol):
-    """Something that makes rows of groups of keys, several groups at once."""
+    """Interface of workers that compute rows for groups of keys, several groups at once."""
 
     @property
     def count(self) -> int:
@@ -48,7 +48,7 @@ class Workers(Protocol):
         ...
 
     def submit(self, keys: tuple[Any, ...]) -> None:
-        """Have the rows of a group made, one after the other in one process."""
+        """Submit a group of keys, whose rows one process computes in order."""
         ...
 
     def wait(self, longest_s: float) -> list[tuple[Any, Answer]]:
@@ -56,12 +56,12 @@ class Workers(Protocol):
         ...
 
     def close(self) -> None:
-        """End all work, whatever is being made."""
+        """End all work, finished or not."""
         ...
 
 
 class Here:
-    """Rows made in this process, one after the other.
+    """Rows computed in this process, one after another.
 
     Parameters
     ----------
@@ -85,13 +85,13 @@ class Here:
         self._waiting.extend(keys)
 
     def wait(self, longest_s: float) -> list[tuple[Any, Answer]]:
-        """Make the next row; nothing if that was cut short."""
+        """Compute the next row; nothing if it was cut short."""
         key = self._waiting.popleft()
         made = made_of(self._row, key, self._place)
         return [] if self._place.is_over else [(key, made)]
 
     def close(self) -> None:
-        """Forget what was not made."""
+        """Discard the remaining keys."""
         self._waiting.clear()
 
 
@@ -106,7 +106,7 @@ def made_of(row: Row, key: Any, place: Place) -> Answer:
 
 
 def sendable(made: Answer) -> Answer:
-    """The same as another process can read it; an error that cannot be sent is told in words."""
+    """An answer that can be pickled; an error that cannot is replaced by its text."""
     try:
         pickle.loads(pickle.dumps(made))
     except Exception as raised:

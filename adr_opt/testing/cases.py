@@ -18,7 +18,7 @@ from ..run.warm_up import asking_problem, practice_problem
 from ..sources.generator import generate
 
 BEGINNING, REPEATED, OVER = "start plan", "same seed, same plan", "time over at once"
-"""Cases that concern the calling of a planner, on the mission of :func:`_field`."""
+"""Cases about how a planner is called, on the mission of :func:`_field`."""
 
 
 class Case(NamedTuple):

@@ -19,7 +19,7 @@ from ..run.warm_up import PracticeStop
 from .cases import BEGINNING, CASES, OVER, REPEATED, Case
 
 MOST_QUESTIONS = 1000
-"""Maximum number of queries after a planner was told to stop, counting all its threads."""
+"""Maximum number of queries of ``stop`` after it returned True, in all threads together."""
 
 RELATIVE = 1e-6
 """Relative difference between sums of prizes in different orders."""
@@ -140,7 +140,7 @@ def _wanted(prepared: Prepared, cases: Iterable[str] | None) -> tuple[str, ...]:
 
 
 class _Watched:
-    """A stopping criterion that a planner must obey."""
+    """A stopping criterion that checks whether a planner obeys it."""
 
     def __init__(self, stop: Stop) -> None:
         self._stop = stop
@@ -230,14 +230,14 @@ def _judged(problem: Problem, result: Result, case: Case, plans: bool) -> Iterat
     if plan is None:
         if plans and case.has_plan:
             said = "".join(f"; {note}" for note in result.notes)
-            yield f"returned no plan, although there is one, if only without legs{said}"
+            yield f"returned no plan, although one exists, if only without legs{said}"
         return
     violations = check(problem.instance, plan)
     if violations:
         more = f", and {len(violations) - 1} more" if len(violations) > 1 else ""
         yield f"its plan breaks the rules: {violations[0]}{more}"
     if result.objective != plan.objective:
-        yield f"its objective is {result.objective!r}, that of its plan {plan.objective!r}"
+        yield f"its objective is {result.objective!r}, but that of its plan {plan.objective!r}"
 
 
 def _claimed(result: Result, heard: _Heard, known: Result) -> Iterator[str]:

@@ -250,7 +250,7 @@ def test_an_unwritable_folder_and_a_silent_address_are_one_sentence(
     out = ["--out", str(tmp_path / "out")]
     for address, said in (
         ("dask://127.0.0.1:1", "no Dask scheduler answers at dask://127.0.0.1:1"),
-        ("127.0.0.1:1", "'127.0.0.1:1' is no address; write dask://HOST:PORT"),
+        ("127.0.0.1:1", "'127.0.0.1:1' is not an address; write dask://HOST:PORT"),
     ):
         assert load("run_all").main([*call, *out, "--cluster", address]) == 2
         assert said in capsys.readouterr().err

@@ -163,6 +163,6 @@ def test_a_tank_with_a_leg_that_does_not_arrive_does_not_hold(monkeypatch) -> No
     flight = fly(instance, plan)
     assert flight.broken_tanks
     assert flight.broken_tanks[0].flown_delta_v_m_s is None
-    assert "was not led to its target" in str(flight.broken_tanks[0])
+    assert "was not guided to its target" in str(flight.broken_tanks[0])
     assert flight.true_delta_v_m_s is None
     assert flight.to_dict()["holds"] is False

@@ -333,7 +333,7 @@ def test_a_packed_file_that_is_cut_short_is_one_sentence(cases, tmp_path):
     whole = path.read_bytes()
     for content in (whole[:-20], b"{}", gzip.compress(b"\xff\xfe")):
         path.write_bytes(content)
-        with pytest.raises(InputError, match="not a whole file packed by gzip"):
+        with pytest.raises(InputError, match="not a complete gzip file"):
             adr_opt.load_certificate(path)
     with pytest.raises(InputError, match="no such file"):
         adr_opt.load_certificate(tmp_path / "none.json.gz")

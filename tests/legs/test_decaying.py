@@ -172,7 +172,7 @@ def test_what_leaves_decay_out_says_so() -> None:
     """Refinement refuses an instance with a decay in one sentence."""
     field = decaying(0, targets=4, days=2.0)
     plan = adr_opt.solve(field, "exact", time_limit=60.0).plan
-    with pytest.raises(InputError, match=r"decays, and flights in true dynamics"):
+    with pytest.raises(InputError, match=r"decays, but flights in true dynamics"):
         adr_opt.refine(field, plan)
 
 

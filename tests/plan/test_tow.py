@@ -127,7 +127,7 @@ def test_a_plan_that_lacks_a_tow_is_not_flown():
     """Neither check nor fly passes a plan that a tow was taken out of, or put into."""
     instance, plan = field(), planned()
     at = _first_tow(plan)
-    for removed, said in (("tow", "no tow of it"), ("visit", "but for a tow")):
+    for removed, said in (("tow", "no tow of it"), ("visit", "has a tow of it")):
         other = plan
         if removed == "tow":
             (route,) = plan.routes

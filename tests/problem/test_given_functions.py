@@ -72,7 +72,7 @@ def test_the_earliest_leg_is_that_of_the_definition(seed: int) -> None:
 
 
 WRONG = {
-    "overtakes": (lambda row: row.update(breakpoints_s=[[0, 50], [10, 40]]), "overtakes"),
+    "overtakes": (lambda row: row.update(breakpoints_s=[[0, 50], [10, 40]]), "before the earlier"),
     "order": (lambda row: row.update(breakpoints_s=[[10, 40], [0, 50]]), "in order"),
     "no time": (lambda row: row.update(breakpoints_s=[[10, 10]]), "must take"),
     "back in time": (lambda row: row.update(breakpoints_s=[[10, 5]]), "must take"),

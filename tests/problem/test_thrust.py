@@ -79,16 +79,16 @@ def test_dates_and_costs_of_low_thrust_are_checked():
         assert rule in {violation.rule for violation in adr_opt.check(instance, spoilt)}, changes
 
 
-def test_a_thrust_too_small_for_any_leg_is_said():
+def test_a_thrust_too_low_for_any_leg_is_said():
     """With next to no thrust there is no leg, and the plan names the quickest one."""
     content = electric(3).model_dump(mode="json")
     content["chasers"][0]["thrust_n"] = 2e-4
     result = adr_opt.solve(instance_of(content), "greedy", time_limit=5.0)
     assert result.objective == 0.0
-    (said,) = (note for note in result.notes if "too small" in note)
+    (said,) = (note for note in result.notes if "too low" in note)
     assert "the quickest, from 'chaser-0' to 'debris-" in said
     enough = adr_opt.solve(electric(3), "greedy", time_limit=5.0)
-    assert not any("too small" in note for note in enough.notes)
+    assert not any("too low" in note for note in enough.notes)
 
 
 def test_arcs_are_flyable_as_stated():

@@ -200,11 +200,11 @@ PROBLEMS: list[tuple[Patch, str]] = [
         ),
         "another package hides ours; rename it",
     ),
-    (_file_in_the_way, "so that every run compiles for a minute; name a folder that is writable"),
+    (_file_in_the_way, "so every run compiles for a minute; name a folder that is writable"),
     (_second_folder, "which the next restart may empty; make it writable, or name another folder"),
     (
         lambda monkeypatch, folder: monkeypatch.setattr(cache, "folders", lambda: []),
-        "there is no folder to keep compiled kernels in, so that every run compiles for a minute",
+        "there is no folder to keep compiled kernels in, so every run compiles for a minute",
     ),
     (
         lambda monkeypatch, folder: monkeypatch.setattr(

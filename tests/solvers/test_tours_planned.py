@@ -239,7 +239,7 @@ def test_other_methods_and_other_instances_are_refused() -> None:
     instance = launched(0)
     with pytest.raises(InputError, match=r"longest leg.*use one of: auto, exact"):
         adr_opt.solve(instance, "greedy-guarded", time_limit=5.0)
-    with pytest.raises(InputError, match="begins from none"):
+    with pytest.raises(InputError, match="takes no start plan"):
         adr_opt.solve(instance, start=[["t0"], [], []], time_limit=5.0)
     with pytest.raises(InputError, match="price does not follow longest leg"):
         price(instance, [["t0"], [], []])

@@ -69,7 +69,7 @@ def test_a_cluster_that_is_not_there_is_one_sentence(
     assert cli("generate", "tiny", "--out", "tiny.json").status == 0
     call = ["tradeoff", "tiny.json", "--vary", "delta-v=300:900:300", "--cluster"]
     for address, said in (
-        ("127.0.0.1:1", "is no address; write dask://HOST:PORT"),
+        ("127.0.0.1:1", "is not an address; write dask://HOST:PORT"),
         ("dask://127.0.0.1:1", "no Dask scheduler answers at dask://127.0.0.1:1"),
     ):
         refused(cli(*call, address), said)

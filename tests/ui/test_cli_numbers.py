@@ -107,4 +107,4 @@ def test_check_and_fly_say_why_unrefined_burns_miss(cli: Cli, tmp_path: Path) ->
         assert cli("solve", path, "--method", "greedy", "--out", plan, "--no-fly").status == 0
         for verb in (("check", path, plan, "--no-fly"), ("fly", path, plan)):
             outcome = cli(*verb)
-            assert ("as they are, burns miss by kilometres" in outcome.out) is told, outcome
+            assert ("unrefined burns miss by kilometres" in outcome.out) is told, outcome

@@ -114,7 +114,7 @@ def test_a_start_sequence_that_breaks_a_limit_says_which() -> None:
     for limits, named in (
         ({"delta_v_m_s": 1.0}, r"needs .* m/s, but only 1 m/s are left"),
         ({"duration_s": 20000.0}, r"ends on day 0\.\d+ at the earliest, .* after the mission"),
-        ({"duration_s": 10.0}, "to which no transfer is left"),
+        ({"duration_s": 10.0}, "but no transfer there leaves in time"),
     ):
         changed = instance.with_limits(**limits)
         with pytest.raises(adr_opt.InputError, match=named):

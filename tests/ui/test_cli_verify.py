@@ -114,7 +114,7 @@ def test_where_nothing_was_proven_there_is_no_certificate(cli: Cli, instance: In
         "solve i.json --method auto --option prove=false --iterations 1 --certificate c.json"
     )
     assert said.status == 2
-    assert "has proven nothing" in said.err
+    assert "has proven no bound" in said.err
     assert '"format": "adr-opt-plan/2"' in said.out
     assert not Path("c.json").exists()
 

@@ -178,7 +178,9 @@ def test_kits_are_sized_by_what_they_lead_to(imported) -> None:
         for target in instance.targets
     ]
     assert instance.chaser.kit_mass_kg == pytest.approx(20.0 + max(needs))
-    assert imported(*MASSES, *kits).err.endswith("its mass is not known, by which kits are sized\n")
+    assert imported(*MASSES, *kits).err.endswith(
+        "its mass is unknown, but kits are sized by it; give its mass_kg\n"
+    )
 
 
 def test_a_distance_to_keep_reaches_the_instance(imported) -> None:

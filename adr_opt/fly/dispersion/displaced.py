@@ -1,4 +1,4 @@
-"""Bodies that are elsewhere than planned, by errors drawn at the time at which these are known.
+"""Bodies displaced from their planned orbits, by errors drawn at the time of their covariance.
 
 An error keeps to a body through the mission: it is carried from that time by the state-transition
 matrix of its motion in the field of the plan, and the decay by its parabola. It is told in
@@ -26,7 +26,7 @@ STEPS = 10.0, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6
 """Steps of the derivative of osculating by mean elements [m], [1], [rad]."""
 
 MOST_RAD = 0.5
-"""Largest error along the track: beyond it flights are not linear any more."""
+"""Largest along-track error: beyond it, flights are no longer linear [m]."""
 
 
 class DisplacedBodies:
@@ -95,7 +95,7 @@ class DisplacedBodies:
                 far = np.abs(found[5]).max() * float(np.linalg.norm(state[:3])) / 1e3
                 raise InputError(
                     f"{name!r} is {far:,.0f} km along its track from where it is planned in one of "
-                    "the flights, too far to fly there; give smaller errors"
+                    "the flights, too far for linear flights; give smaller errors"
                 )
             self._known[name, time_s] = found
 

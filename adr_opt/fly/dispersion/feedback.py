@@ -50,7 +50,7 @@ CLOSE_S = 1e-3
 
 @dataclass(frozen=True)
 class UncertainEnds:
-    """What is uncertain about the bodies at both ends of a leg.
+    """Errors of the bodies at both ends of a leg.
 
     Attributes
     ----------
@@ -65,11 +65,11 @@ class UncertainEnds:
 
 
 PLANNED = UncertainEnds()
-"""Both bodies are where they are planned."""
+"""Default: both bodies are at their planned places."""
 
 
 class BodiesOff(NamedTuple):
-    """By how much bodies are off, in equinoctial elements in the frame of the planned state there.
+    """Errors of bodies as equinoctial elements, in the frame of the planned state.
 
     Attributes
     ----------

@@ -91,7 +91,7 @@ def moved(state: Array, off: Array) -> Array:
 
 
 def _correction(part: LegPart, state: Array, at: int, angle: float, target: Array) -> Array:
-    """Change of a burn, from a state before it, the angle covered so far and where the goal is."""
+    """Correction of a burn, from the state before it, the angle covered so far and the goal."""
     gain, effects = part.gains[at], part.effects[at:]
     if gain is None:
         return np.zeros(3)
@@ -184,7 +184,7 @@ def fly_leg(
 
 
 def revolution_s(state: Array) -> float:
-    """Time that a revolution takes from a state, shape (6,) [s]."""
+    """Duration of a revolution from a state of shape (6,) [s]."""
     axis = 1.0 / (2.0 / float(np.linalg.norm(state[:3])) - float(state[3:] @ state[3:]) / MU_M3_S2)
     return math.tau * math.sqrt(axis**3 / MU_M3_S2)
 
@@ -192,7 +192,7 @@ def revolution_s(state: Array) -> float:
 def _ends(
     leg: RefinedLeg, displaced: DisplacedBodies, known_before_s: float | None
 ) -> tuple[UncertainEnds, BodiesOff | None]:
-    """What is uncertain about the bodies of a leg, and by how much they are off."""
+    """Errors of the bodies of a leg: their model, and their values in each flight."""
     origin, target = leg.origin in displaced, leg.destination in displaced
     if not (origin or target):
         return PLANNED, None

@@ -1,4 +1,4 @@
-"""Fly a refined plan many times with errors, and tell what its tanks need."""
+"""Fly a refined plan many times with errors, and find how much its tanks need."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ LEAST_SHARE = 0.01
 def tank_dispersions(
     instance: Instance, refined: RefinedPlan, spent: Array, share: float
 ) -> Iterator[TankDispersion]:
-    """What flights take from each tank, from the ΔV of legs, shape (legs, flights) [m/s]."""
+    """Demand on each tank, from the ΔV of legs, shape (legs, flights) [m/s]."""
     for one, taken in _taken(instance, refined, spent):
         legs, budget = one.legs, one.budget_m_s
         refined_m_s = math.fsum(
@@ -56,7 +56,7 @@ def tank_dispersions(
 def usable_tank(
     instance: Instance, refined: RefinedPlan, dispersion: Dispersion
 ) -> TankUncertainty:
-    """The usable share of a full tank that flights with errors amount to.
+    """Usable share of a full tank that reproduces the demand of flights with errors.
 
     A tank that planned legs leave empty, and that flights with errors drain by a factor more, is in
     terms of planned ΔV a smaller one: its share is planned over flown ΔV. The shares of all tanks
@@ -86,7 +86,7 @@ def usable_tank(
         > 0.0
     ]
     if not shares:
-        raise InputError("no leg of the plan takes ΔV: nothing is learnt of its tanks")
+        raise InputError("no leg of the plan takes ΔV: nothing can be learnt about its tanks")
     drawn = np.concatenate(shares)
     half_width = math.sqrt(3.0) * float(drawn.std())
     middle = float(drawn.mean())
@@ -175,7 +175,7 @@ def sample_flights(  # noqa: PLR0913
     refuse_strangers(instance, refined)
     instance = as_launched(instance, refined.planned)
     if refined.has_thrust:
-        raise InputError("the refined plan has low thrust, which is not flown with errors")
+        raise InputError("the refined plan has low thrust, which cannot be flown with errors")
     if not refined.legs:
         raise InputError("the refined plan has no legs: there is nothing to fly")
 
@@ -202,7 +202,7 @@ def sample_flights(  # noqa: PLR0913
 
 
 def _meetings(legs: Iterable[RefinedLeg]) -> dict[str, list[float]]:
-    """Times at which bodies are left, and at which stand-offs from them are reached [s]."""
+    """Times of departure from bodies, and of arrival at stand-offs from them [s]."""
     found: dict[str, list[float]] = {}
     for leg in legs:
         found.setdefault(leg.origin, []).append(leg.states[0].time_s)

@@ -1,4 +1,4 @@
-"""Preconditions for flying a plan's burns, and how far its orbits are from circles."""
+"""Preconditions for flying a plan's burns, and distance of its orbits from circles."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ...problem.rules import CAMPAIGNS, FIRST, MODELLED, RELEASES, TOURS, Follow
 from ...problem.support import refuse
 
 TOLD_M = 1e3
-"""Distance from which it is told."""
+"""Distance above which eccentric orbits are reported [m]."""
 
 
 class OffCircles(NamedTuple):
@@ -39,8 +39,8 @@ class OffCircles(NamedTuple):
         return (
             f"{self.legs} leg{' is' if one else 's are'} on eccentric orbits, up to "
             f"{self.eccentricity:.2g}, and planned between circles, from which bodies are up to "
-            f"{self.distance_m / 1e3:.3g} km away: as they are, burns miss by kilometres; "
-            "'refine' aims them"
+            f"{self.distance_m / 1e3:.3g} km away: unrefined burns miss by kilometres; 'refine' "
+            "retargets them"
         )
 
 
@@ -78,12 +78,12 @@ REFINED = Follower(
     | RELEASES,
     "its plans have no trajectory",
 )
-"""Who flies refined plans, and who refines."""
+"""Rules followed in flying refined plans, and in refining."""
 
 FLOWN = Follower(
     "flying plans",
     REFINED.follows - {"low thrust"},
-    "their plans have no burns: refine the plan, and take the refined one",
+    "plans have no burns: refine the plan, and fly the refined one",
 )
 
 
@@ -137,7 +137,7 @@ def _refuse_wrong_legs(instance: Instance, plan: Plan) -> None:
 
 
 def _tows_before_s(plan: Plan) -> dict[int, float]:
-    """End of the tow that a leg follows upon, by number of the leg [s]."""
+    """End of the tow before a leg, by number of the leg [s]."""
     found, number = {}, 0
     for route in plan.routes:
         for leg in route.legs:
@@ -177,11 +177,11 @@ def _refuse_broken_route(flown: Flown, who: str) -> None:
 
 
 def _refuse_tow(number: int, leg: Leg, due: int | None, by_spiral: bool) -> None:
-    """Refuse a tow where none is due, or none of a number of burns."""
+    """Refuse a leg whose tow is missing, superfluous or of a wrong number of burns."""
     is_towed = due is not None
     if is_towed != (leg.tow is not None):
         # Without it neither the cost of the tow is known, nor where the chaser goes on from.
-        wrong = "and the plan has no tow of it" if is_towed else "but for a tow in the plan"
+        wrong = "but the plan has no tow of it" if is_towed else "but the plan has a tow of it"
         raise InputError(
             f"leg {number}: {leg.destination!r} is {'towed' if is_towed else 'not towed'}, "
             f"{wrong}; {'add' if is_towed else 'take out'} the field tow"

@@ -92,8 +92,8 @@ def _turned(vector: np.ndarray, angle: float) -> np.ndarray:
 
 
 MOST_MISS_M = 10.0
-"""Largest miss of the stand-off at which a leg between circles counts as arrived. Burns of a plan
-miss by decimetres at most."""
+"""Largest miss of the stand-off by a leg between circles; burns of a plan miss by decimetres at
+most [m]."""
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,7 @@ def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
             if name not in instance.names:
                 raise InputError(f"leg {leg.leg}: {name!r} is not a body of the instance")
             if (name in towed) != (tow is not None):
-                wrong = "towed, and the leg has no tow of it" if name in towed else "not towed"
+                wrong = "towed, but the leg has no tow of it" if name in towed else "not towed"
                 raise InputError(f"leg {leg.leg}: {name!r} is {wrong}; refine the plan again")
 
 
@@ -173,7 +173,7 @@ class PlannedLeg(NamedTuple):
 
 
 def planned_legs(instance: Instance, refined: RefinedPlan) -> Iterator[PlannedLeg]:
-    """Where the legs of a refined plan begin and are to arrive.
+    """Start and goal states of the legs of a refined plan.
 
     Raises
     ------
@@ -216,7 +216,7 @@ def _of_thrust(leg: RefinedLeg, thrust: ThrustFlown | None, burnt_m_s: float) ->
 
 
 def _of_tow(towing: Towing, leg: RefinedLeg) -> dict[str, float]:
-    """How far from the stated place a tow ends, and what is told of a spiral."""
+    """Distance of a tow's end from the stated place, and figures of a spiral."""
     assert leg.tow is not None
     led = towing.flown(leg.destination, leg.tow)
     found = {"tow_miss_m": math.dist(led.state[:3], leg.tow.released.position_m)}

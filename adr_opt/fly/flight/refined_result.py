@@ -14,14 +14,14 @@ MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """Largest miss of a stand-off or target at arrival, in position [m] and velocity [m/s]."""
 
 ONTO_MISS_M, ONTO_MISS_M_S = 10.0, 1e-2
-"""The same, and of the departure, of a plan that was refined onto ephemerides."""
+"""Largest miss of a plan refined onto ephemerides, at departures as well."""
 
 MOST_RELEASE_OFF_M, MOST_RELEASE_ECCENTRICITY = 1e3, 1e-3
 """Largest difference between the mean altitude at the release of a spiral and that of disposal [m],
 and largest mean eccentricity there."""
 
 SPIRAL = ("tow_propellant_kg", "tow_shadow_s", "release_off_m", "release_eccentricity")
-"""Fields that only legs with a spiral have."""
+"""Fields of legs with a spiral only."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class RefinedLegFlight:
 
     @property
     def arrives(self) -> bool:
-        """Whether it hits its stand-off, its target and, with a tow, the release point.
+        """Whether the leg hits its stand-off, its target and, with a tow, the release point.
 
         Between ephemerides, whether it begins at its origin, too.
         """
@@ -168,7 +168,7 @@ class RefinedFlight(WithTanks):
 
     @property
     def onto_ephemerides(self) -> bool:
-        """Whether bodies are where ephemerides say."""
+        """Whether the states of bodies come from ephemerides."""
         return any(leg.departure_miss_m_s is not None for leg in self.legs)
 
     @property
@@ -178,7 +178,7 @@ class RefinedFlight(WithTanks):
 
     @property
     def limits(self) -> str:
-        """Largest miss that is let pass, in words."""
+        """Largest tolerated miss, in words."""
         return "10 m or 1 cm/s" if self.onto_ephemerides else "1 m or 1 mm/s"
 
     @property
@@ -205,7 +205,7 @@ class RefinedFlight(WithTanks):
 
     @property
     def understated(self) -> tuple[RefinedLegFlight, ...]:
-        """Legs that state too little ΔV of holding."""
+        """Legs that state too little ΔV for holding."""
         return tuple(leg for leg in self.legs if leg.understates_holding)
 
     @property

@@ -112,7 +112,7 @@ class TankFlight:
         legs = legs_named(self.first_leg, self.last_leg)
         tank = tank_name(self.tank, self.chaser)
         if self.over_m_s is None:
-            return f"{tank} ({legs}) has a leg that was not led to its target"
+            return f"{tank} ({legs}) has a leg that was not guided to its target"
         budget = f"{self.budget_m_s:g} m/s"
         if self.holds:
             return f"{tank} ({legs}) is left with {-self.over_m_s:.1f} of {budget}"
@@ -202,7 +202,7 @@ def chasers_of(tanks: Iterable[TankFlight]) -> tuple[ChaserFlight, ...]:
 
 
 class WithTanks:
-    """What tanks tell of a flight that has ``tanks``."""
+    """Properties of a flight that follow from its ``tanks``."""
 
     tanks: tuple[TankFlight, ...]
 
@@ -256,7 +256,7 @@ class Flight(WithTanks):
 
     @property
     def true_delta_v_m_s(self) -> float | None:
-        """ΔV of those legs on true orbits; None if any does not arrive [m/s]."""
+        """ΔV of :attr:`true_legs` on true orbits; None if any does not arrive [m/s]."""
         return whole_sum(leg.true_delta_v_m_s for leg in self.true_legs)
 
     def to_dict(self) -> dict[str, Any]:

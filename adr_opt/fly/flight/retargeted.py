@@ -35,8 +35,8 @@ from ..refine.tow import along
 Array = npt.NDArray[np.float64]
 
 GROWN, LEAST_GROWTH = 4, 1.0 / 64.0
-"""Where the plan's burns cannot be closed at once, eccentricities grow in steps: the reciprocal of
-the largest share, and the smallest share."""
+"""Steps in which eccentricities grow where burns cannot be closed at once: the reciprocal of the
+largest share, and the smallest share."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ class Aim:
         self._is_free = instance.transfer.burns == "free"
 
     def delta_v_m_s(self) -> float:
-        """ΔV of retargeted burns, or of free ones where legs have their price; tows excluded [m/s].
+        """ΔV of retargeted burns, or of free ones if legs are priced so; tows excluded [m/s].
 
         Raises
         ------
@@ -184,7 +184,7 @@ class Aim:
         return closed
 
     def _course(self, share: float, begins: Array) -> MeanCourse:
-        """Start and goal, on the way of the approach, with a share of all eccentricities."""
+        """Start and goal with a share of all eccentricities; the goal is on the approach."""
         origin, target = (
             orbit.replace(eccentricity=share * orbit.eccentricity)
             for orbit in (self._origin, self._target)

@@ -83,7 +83,7 @@ class TwoBody:
         Raises
         ------
         ArithmeticError
-            The orbit is not closed, or the propagator finds no answer.
+            The orbit is not closed, or the propagator did not converge.
         """
         if time_s == 0.0:
             return state
@@ -100,10 +100,10 @@ class TwoBody:
                 self._mu, position, velocity, time_s, MOST_ITERATIONS
             )
         except RuntimeError:
-            raise ArithmeticError("the propagator finds no answer") from None
+            raise ArithmeticError("the propagator did not converge") from None
         # The Lagrange coefficients are a solution only where their determinant is one.
         if not abs(f * g_dot - f_dot * g - 1.0) < 1e-6:
-            raise ArithmeticError("the answer of the propagator is not consistent")
+            raise ArithmeticError("the result of the propagator is inconsistent")
         return f * position + g * velocity, f_dot * position + g_dot * velocity
 
 

@@ -36,7 +36,7 @@ from .result import ForcedFlight, ForcedLeg, Off, total
 from .settings import Forces
 
 PLACES = 12
-"""Number of equal parts of the revolution, at whose ends a correction may be made."""
+"""Number of equal parts of the last revolution; corrections are made at their ends."""
 
 MOST_ROUNDS = 12
 
@@ -47,7 +47,7 @@ Fly = Callable[[Array], Array]
 
 
 class LastLap(NamedTuple):
-    """The last revolution of a leg, as it is flown without a correction.
+    """The last revolution of a leg, flown without correction.
 
     Attributes
     ----------
@@ -118,11 +118,12 @@ def correction_m_s(last: LastLap, goal: Array, fly: Fly) -> float | None:
 
 
 BODY_STEPS = 72
-"""Steps per revolution of bodies, which forces move by kilometres: within some metres a week."""
+"""Steps per revolution of bodies: errors of some metres a week, where forces move them
+kilometres."""
 
 
 class Acting(NamedTuple):
-    """Forces on the chaser and on the bodies, as the library has them."""
+    """Forces on the chaser and on the bodies, as objects of the library."""
 
     chaser: Any
     body: Any
@@ -181,7 +182,7 @@ class LegCourse:
         return chaser, chaser if body is None else body
 
     def _push(self, start_s: float, end_s: float) -> PushedWindow | None:
-        """Thrust between two times, with no beginning or end of a window between them."""
+        """Thrust between two times within which no window begins or ends."""
         for push in self._pushes:
             if push.begin_s <= start_s and end_s <= push.end_s:
                 return push
@@ -189,7 +190,7 @@ class LegCourse:
 
 
 def kicked(state: Array, burns: Mapping[float, Array], time_s: float) -> Array:
-    """The state after the burn at a time, if there is one."""
+    """The state after the burn at a time, if any."""
     if time_s not in burns:
         return state
     found: Array = state + np.concatenate([np.zeros(3), burns[time_s]])
@@ -197,7 +198,7 @@ def kicked(state: Array, burns: Mapping[float, Array], time_s: float) -> Array:
 
 
 def _burns_before(leg: RefinedLeg) -> dict[float, Array]:
-    """Burns before the approach, by time; those at one time together."""
+    """Burns before the approach, by time; simultaneous ones are added."""
     found: dict[float, Array] = {}
     for burn in leg.burns:
         if burn.phase == "approach":
@@ -259,7 +260,7 @@ def all_forces(instance: Instance, settings: Forces) -> tuple[World, Acting]:
 
 
 def plan_field(instance: Instance, gravity: str) -> tuple[World, Acting]:
-    """Motion with all forces off but the field of a refined plan, to compare integrators."""
+    """Motion in the gravity field of the refined plan only, to compare integrators."""
     # The axis of that field is the one of the elements, whatever their frame.
     world = World(instance.epoch, Frame(name="GCRF"))
     forces = world.zonal(FIELDS[gravity])
@@ -317,7 +318,7 @@ def _revolution_s(state: Array) -> float:
 
 
 def _off(chaser: Array, goal: Array) -> Off:
-    """The state of a chaser relative to a stand-off, uncorrected."""
+    """Uncorrected arrival of a chaser relative to a stand-off."""
     outward = goal[:3] / math.hypot(*goal[:3])
     momentum = np.cross(goal[:3], goal[3:])
     across = momentum / math.hypot(*momentum)
@@ -334,7 +335,7 @@ def _off(chaser: Array, goal: Array) -> Off:
 def _with_corrections(
     instance: Instance, refined: RefinedPlan, legs: list[ForcedLeg]
 ) -> tuple[TankFlight, ...]:
-    """Tanks of the refined plan with the corrections to the planned bodies on top."""
+    """Tanks of the refined plan, with the corrections to the planned bodies added."""
     by_number = {leg.leg: leg.planned_body for leg in legs}
     found = []
     tanks = legs_by_tank(instance, refined)

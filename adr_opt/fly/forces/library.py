@@ -52,7 +52,7 @@ class PushedWindow(NamedTuple):
     flow_kg_s: float
 
     def law(self, start_s: float, axes: Array) -> Callable[[float, Array, object], Array]:
-        """Acceleration as the library asks for it: rates of a state, in its axes.
+        """Rates of a state due to thrust, in the form and axes of the library.
 
         Parameters
         ----------
@@ -94,7 +94,7 @@ def direction(
 
 
 def _cross(first: Array, second: Array) -> Array:
-    """Vector product; NumPy's takes several times as long."""
+    """Vector product, several times as fast as NumPy's."""
     a, b, c = first
     x, y, z = second
     return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
@@ -159,7 +159,7 @@ class World:
 
     @classmethod
     def of(cls, instance: Instance) -> World:
-        """That of an instance; elements of no named frame are taken for TEME at its epoch."""
+        """The world of an instance; elements without a frame are taken as TEME at its epoch."""
         assumed = Frame(name="TEME", axes_epoch=instance.epoch)
         return cls(instance.epoch, instance.frame or assumed)
 
@@ -238,7 +238,7 @@ class World:
         return found
 
     def integration(self, step_s: float) -> Any:
-        """Method and steps."""
+        """Integration method and step length."""
         brahe = self._brahe
         equal = brahe.IntegratorConfig(
             abs_tol=ANY_ERROR, rel_tol=1.0, initial_step=step_s, max_step=step_s

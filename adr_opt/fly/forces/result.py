@@ -72,7 +72,7 @@ class ForcedLeg:
 
     @property
     def is_corrected(self) -> bool:
-        """Whether it lasts, and a correction to the planned body is found."""
+        """Whether the flight lasts, and a correction to the planned body is found."""
         return self.planned_body is not None and self.planned_body.correction_m_s is not None
 
     def to_dict(self) -> dict[str, Any]:
@@ -130,7 +130,7 @@ class ForcedFlight(WithTanks):
 
     @property
     def worst_body_off_m(self) -> float:
-        """The same of the bodies under the same forces [m]."""
+        """Largest distance from a stand-off of a body under the same forces [m]."""
         return _farthest(leg.flown_body for leg in self.legs)
 
     @property

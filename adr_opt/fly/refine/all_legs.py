@@ -140,7 +140,7 @@ def refine(  # noqa: PLR0913
 def refined_again(
     admitted: Admitted[Plan], wanted: Wanted, known: dict[Hashable, RefinedLeg]
 ) -> RefinedPlan:
-    """Refine a plan, legs of low thrust only where they are not known from another plan.
+    """Refine a plan, reusing legs of low thrust that are known from another plan.
 
     Parameters
     ----------
@@ -255,7 +255,7 @@ def refined_again(
 
 
 def _without_low(instance: Instance, plan: Plan, made: RefinedPlan) -> RefinedPlan:
-    """A refined plan without legs that come down below the limit of altitude."""
+    """A refined plan without legs that descend below the limit of altitude."""
     from ...judge.refined import check_refined
 
     low = {
@@ -314,7 +314,7 @@ def _tows(instance: Instance, plan: Plan, after_launch: set[int]) -> dict[int, T
 
 @contextmanager
 def _executor(jobs: int | None, cluster: str | None) -> Iterator[Executor]:
-    """Who guides the legs; what has not begun at the end is left."""
+    """Executor that guides the legs; those not begun at the end are dropped."""
     made = Cluster(cluster) if cluster is not None else ThreadPoolExecutor(jobs or usable_cores())
     try:
         yield made

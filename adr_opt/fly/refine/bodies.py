@@ -146,7 +146,7 @@ class TrueBodies:
         for name in names:
             if instance.decay_of(name):
                 raise InputError(
-                    f"the orbit of {name!r} decays, and flights in true dynamics are without drag; "
+                    f"the orbit of {name!r} decays, but flights in true dynamics have no drag; "
                     "refine onto ephemerides with --ephemerides, or leave decay_m_per_day out of "
                     "the instance"
                 )
@@ -236,7 +236,7 @@ class Whereabouts:
 
     @classmethod
     def of(cls, instance: Instance, refined: RefinedPlan) -> Self:
-        """Those of a refined plan of an instance.
+        """The states of a refined plan's bodies.
 
         Raises
         ------

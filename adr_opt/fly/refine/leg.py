@@ -39,11 +39,11 @@ MOST_CANDIDATES = 960
 omitted evenly."""
 
 INSIDE_M, NEAR_M = 8e3, 4e3
-"""How far within its limit an apsis is held, and how near to that it counts as on it [m]. Under J2
-osculating apsides of one arc swing by as much, so that arcs beside it come to be beyond."""
+"""Margin of apsides to their limits, and tolerance on it [m]. Osculating apsides of an arc vary by
+as much under J2, so that arcs beside it would exceed the limits."""
 
 NEGLIGIBLE_M_S = 1e-4
-"""Size of impulses that are omitted if the others can do without them."""
+"""Size below which impulses are omitted if the others suffice [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -271,7 +271,7 @@ def _descended(course: LegEnds, flown: FlownImpulses, limits: tuple[float, float
 def _led_back(
     course: LegEnds, flown: FlownImpulses, limits: tuple[float, float]
 ) -> FlownImpulses | None:
-    """The convex step that holds all apsides at their limits that are beyond or near them.
+    """The convex step that holds all apsides at or beyond their limits at the limits.
 
     None if it does not reach the goal.
     """
@@ -300,7 +300,7 @@ def _is_within(flown: FlownImpulses, limits: tuple[float, float]) -> bool:
 def _held(
     course: LegEnds, now: FlownImpulses, begins_s: float, sign: float, apsis_m: float
 ) -> tuple[Array, float]:
-    """The linear equation that an apsis of an arc is at a radius: its row (burns, 3), and value.
+    """Linear equation that puts an apsis of an arc at a radius: its row (burns, 3), and value.
 
     Impulses before the arc change its size and eccentricity as they change those at the goal. The
     sign is −1 for a perigee, and 1 for an apogee.
@@ -317,7 +317,7 @@ def _held(
 
 
 def _fewest_of_least(effects: Array, wanted: Array) -> Array:
-    """Impulses of least total size that make a change, with as few of them as there may be."""
+    """Impulses of least total size that make a change, as few as possible."""
     return fewest(effects, least_impulses(effects, wanted).impulses)
 
 

@@ -18,7 +18,7 @@ from .troubles import strayed
 
 
 def spirals_excess_m_s(leg: RefinedLeg, masses_kg: Mapping[str, float]) -> float:
-    """ΔV by which a leg would have to cost more for the propellant of its spirals to be planned.
+    """Extra ΔV of a leg that would account for the excess propellant of its spirals [m/s].
 
     A spiral is flown with the mass of chaser and object, m + D. With the planned ΔV x the chaser is
     left with (m + D) A − D, A = exp(−x / g₀ Isp), and in flight with less. A leg before the spiral
@@ -88,7 +88,7 @@ MOST_OF_A_LINE = 4
 
 
 LONGER = 1.5
-"""Time for a spiral over what it had, where that was too short."""
+"""Factor on the time of a spiral that was too short."""
 
 
 class Lessons:
@@ -146,7 +146,7 @@ class Lessons:
                 self._stays[one.destination] = max(stay, self._stays.get(one.destination, 0.0))
 
     def avoid(self, plan: Plan, conflicts: Iterable[Unsafe]) -> bool:
-        """Bar what leads to conflicts; whether there was anything to bar.
+        """Bar connections that lead to conflicts; returns whether any was barred.
 
         In a transfer it is the connection: another phasing, or a later departure, is none. Beside a
         body it is whatever leaves for it later and arrives there before the conflict.

@@ -269,7 +269,7 @@ def solve_refined(  # noqa: PLR0913
             return _ended(mission, result, best, tuple(history), "")
         stuck = bool(conflicts) and not lessons.avoid(plan, conflicts)
         if over() or stuck or len(history) == rounds:
-            why = "interrupted" if over() else f"not within {len(history)} rounds"
+            why = "interrupted" if over() else f"none within {len(history)} rounds"
             reason = f"no plan held: {why}; the last one: {'; '.join(wrong)}" if wrong else ""
             return _ended(mission, result, best, tuple(history), reason, refined)
         if failing or spend_savings:

@@ -26,7 +26,7 @@ HELPERS = 24
 """Number of times for additional impulses if the plan's own burns cannot be closed."""
 
 LAST_REVOLUTIONS = 2
-"""Number of revolutions before the stand-off that hold them if that fails, too."""
+"""Number of revolutions before the stand-off in which to place them if that fails, too."""
 
 
 def refine_leg(
@@ -146,7 +146,7 @@ def planned_angles(
 
 
 def aim(course: LegEnds, burns: tuple[Burn, ...]) -> FlownImpulses:
-    """The plan's burns, changed little; with some more if they cannot be closed.
+    """The plan's burns, changed as little as possible; with extra ones if they cannot be closed.
 
     Weeks before its end a leg is far from linear in what a burn changes. What the plan is off by in
     eccentricity, above all, can be made up for at the end, by whichever impulses do it.
@@ -179,7 +179,7 @@ def parted(leg: Leg) -> tuple[tuple[Burn, ...], tuple[Burn, ...]]:
 
 
 def first_of_approach(last: LegEnds, settings: SequenceSettings, burns: tuple[Burn, ...]) -> Array:
-    """What an approach begins with, from rest at the stand-off, shape (3,) [m/s].
+    """First burn of an approach from rest at the stand-off, shape (3,) [m/s].
 
     The transfer ends with it: its last impulse is one vector with this.
     """

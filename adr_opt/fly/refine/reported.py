@@ -1,4 +1,4 @@
-"""Bodies of a plan's legs where their ephemerides say, and the ΔV of holding beside them.
+"""Bodies of a plan's legs by their ephemerides, and the ΔV of holding beside them.
 
 A leg begins at the position and velocity that is reported of its origin and ends at those reported
 of its destination. Between them it is a trajectory in the field; the bodies are on none, since
@@ -93,13 +93,13 @@ class ReportedBodies:
                 )
 
     def state(self, name: str, time_s: float) -> Array:
-        """State reported of a body at its time in a leg, shape (6,) [m, m/s]."""
+        """State of a body by its ephemeris at its time in a leg, shape (6,) [m, m/s]."""
         if name in self._others.epoch_states:
             return self._others.state(name, time_s)
         return self._states[name, time_s].copy()
 
     def following(self, name: str, time_s: float, length_m: float) -> Array:
-        """State reported of a body for the time ago that a distance takes, shape (6,)."""
+        """State of a body by its ephemeris, delayed by the time for a distance, shape (6,)."""
         if name in self._others.epoch_states:
             return self._others.following(name, time_s, length_m)
         return self._behind[name, time_s, length_m].copy()
@@ -135,7 +135,7 @@ def opened(instance: Instance) -> Ephemerides:
 
 
 PER_REVOLUTION = 24
-"""Number of impulses in a revolution; with 60 it is 5 % more."""
+"""Number of impulses per revolution; 60 of them would take 5 % more ΔV."""
 
 
 def holding_m_s(known: Ephemerides, gravity: Gravity, leg: Leg, *, led: bool = False) -> float:
@@ -171,7 +171,7 @@ def _beside(known: Ephemerides, gravity: Gravity, name: str, begin_s: float, end
 
 
 def following_m_s(states: Array, times_s: Array, gravity: Gravity) -> float:
-    """ΔV of impulses that lead from position to position [m/s].
+    """ΔV of impulses that follow a sequence of positions [m/s].
 
     The misses of a few metres are closed to first order.
 

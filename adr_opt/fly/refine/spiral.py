@@ -31,7 +31,7 @@ from .thrust_record import steered_arcs
 from .thrust_task import towing_by_leg
 
 ARC_S = 6.0 * 86400.0
-"""Duration of arcs, about: in it the shadow moves by some degrees against the perigee."""
+"""Approximate duration of arcs, in which the shadow moves some degrees against the perigee [s]."""
 
 MOST_ARCS = 40
 
@@ -45,29 +45,29 @@ PREDICTED = 3e-5
 """Tolerance of predictions, relative to the semi-major axis, and of the eccentricity."""
 
 ROUND = 1e-4
-"""Predicted eccentricity that stands for none."""
+"""Predicted eccentricity below which an orbit counts as a circle."""
 
 MOST_STEPS, MOST_STARTS, ROUNDINGS = 12, 12, 10
-"""Maximum numbers of Newton's steps and of beginnings that are tried, and number of steps from the
-eccentricity that thrust against the motion leaves to none."""
+"""Maximum numbers of Newton steps and of starting times, and number of steps from the eccentricity
+left by thrust against the motion to zero."""
 
 AGAIN = 1.1
-"""How much longer than planned a tow is to be at least, where none was found otherwise."""
+"""Least factor on the planned duration of a tow after no spiral was found."""
 
 LONGER = 1.06
-"""How much longer than the one before each of them makes the tow."""
+"""Factor on the duration of a tow from one attempt to the next."""
 
 STEP = 1e-3
-"""Step of differences, of laws and of the force as a share of itself."""
+"""Step of finite differences: of laws, and of the force as a share of itself."""
 
 SPARE = 0.003
-"""Share of the force that is left for the correction of the integrated flight."""
+"""Share of the force reserved for correcting the integrated flight."""
 
 FREE = 100.0
-"""Weight of the force against laws, which leaves it all but out of the norm."""
+"""Weight of the laws relative to the force, so large that the force is nearly free."""
 
 LARGEST = 1.5
-"""Largest part of the eccentricity in a law over that of the size."""
+"""Largest ratio in a law of the part for eccentricity to the part for size."""
 
 LARGEST_GROWTH = 0.3
 """Largest change of the force in a step, as a share."""
@@ -137,14 +137,14 @@ class _Spiral(NamedTuple):
     shapes: Array
 
     def moved(self, step: Array) -> _Spiral:
-        """The same after a step of the force, as a share of it, and of the shapes."""
+        """The spiral after a step of the force, as a share of it, and of the shapes."""
         shapes = np.clip(self.shapes + step[1:].reshape(-1, 2), -LARGEST, LARGEST)
         grown = min(max(float(step[0]), -LARGEST_GROWTH), LARGEST_GROWTH)
         return _Spiral(self.start_s, self.force * math.exp(grown), shapes)
 
 
 class NoSpiral(ArithmeticError):
-    """No spiral tows an object in the time that there is.
+    """No spiral tows an object in the available time.
 
     Parameters
     ----------
@@ -266,7 +266,7 @@ class _Task:
     def _slope(
         self, spiral: _Spiral, off: Array, left: Array, motion: Callable[[_Spiral], Array]
     ) -> Array:
-        """Differences of the miss by force and laws, in averaged or in integrated motion."""
+        """Derivatives of the miss by force and laws, in averaged or integrated motion."""
         count = 1 + spiral.shapes.size
         slope = np.empty((3, count))
         for column, step in enumerate(STEP * np.eye(count)):
@@ -274,7 +274,7 @@ class _Task:
         return slope
 
     def _led(self, spiral: _Spiral, left: Array) -> _Spiral | None:
-        """The spiral to what eccentricity is left, by averaged motion, from one near to it."""
+        """The spiral to a given final eccentricity, by averaged motion, from a nearby spiral."""
         for _ in range(MOST_STEPS):
             off = self._off(self.predict(spiral), left)
             if float(np.abs(off).max()) < PREDICTED:
@@ -284,7 +284,7 @@ class _Task:
         return None
 
     def predicted(self) -> _Spiral:
-        """The spiral that averaged motion leads to the release, with as much force as there is.
+        """The spiral that leads to the release by averaged motion, within the available force.
 
         Raises
         ------
@@ -303,7 +303,7 @@ class _Task:
         return found
 
     def _rounded(self, start_s: float) -> tuple[_Spiral, bool]:
-        """The spiral from a time on to the least eccentricity, and whether that is a circle.
+        """The spiral from a starting time to the least eccentricity, and whether that is a circle.
 
         From thrust against the motion alone, step by step to less eccentricity.
         """
@@ -367,7 +367,7 @@ class _Task:
 
 
 def _least_step(slope: Array, off: Array) -> Array:
-    """The step of the least change of laws that undoes a miss; the force is free."""
+    """The step with the least change of laws that removes a miss; the force is free."""
     weights = np.ones(slope.shape[1])
     weights[0] = FREE
     step: Array = weights * np.linalg.lstsq(slope * weights, -off, rcond=1e-9)[0]

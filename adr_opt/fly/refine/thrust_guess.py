@@ -1,4 +1,4 @@
-"""The first guess of a leg's thrust: what its plan says.
+"""The first guess of a leg's thrust, from its plan.
 
 Thrust along the orbit on its sunlit side alone makes it eccentric. What both arcs do of that, and
 what is left to be done of the leg's own change, is told to first order by the means of
@@ -24,7 +24,7 @@ from .thrust_task import Programme, ThrustTask
 NOTHING = ThrustArcs(np.empty((0, 5)), np.empty(0), np.empty(0), np.empty(0))
 
 PLACES = 180
-"""Number of places on a revolution over which means are taken."""
+"""Number of places on a revolution over which to average."""
 
 
 class Middle(NamedTuple):
@@ -56,7 +56,7 @@ def middles(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> tuple[Middle, .
 
 
 def with_shapes(task: ThrustTask, arcs: tuple[LowThrustArc, ...], laws: Array) -> Array:
-    """Laws of as much ΔV that also make up for the eccentricity, shape (2, 5) [m/s].
+    """Laws of the same ΔV that also match the eccentricity, shape (2, 5) [m/s].
 
     Parameters
     ----------
@@ -114,14 +114,14 @@ def _effects(task: ThrustTask, orbit: Middle) -> Array:
 
 
 FASTER = 1.02
-"""Time of thrust aimed at, over that of the plan."""
+"""Ratio of the intended time of thrust to the planned one."""
 
 LEAST_THRESHOLD, LARGEST_THRESHOLD = 0.25, 0.9
 """Limits of thresholds: where the primer vector is short it turns fast, and thrust is worth little.
 """
 
 ALMOST_ALL = 0.9
-"""Share of the sunlit revolution from which on thrust is on in all of it."""
+"""Share of the sunlit revolution above which thrust is on throughout it."""
 
 ABOVE_SHORTEST = 0.05
 """Least distance of a threshold from the shortest primer vector: nearer to it windows change too
@@ -135,7 +135,7 @@ LENGTHS = 72
 def first_guess(
     task: ThrustTask, arcs: tuple[LowThrustArc, ...], *, shaped: bool = False
 ) -> Programme:
-    """The programme that both arcs of a plan amount to, with thrust at the best places.
+    """The programme equivalent to both arcs of a plan, with thrust at the best places.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def first_guess(
 
 
 def _matched(task: ThrustTask, programme: Programme, arcs: tuple[LowThrustArc, ...]) -> Programme:
-    """The same with thresholds with which arcs take about as long as in the plan.
+    """A programme with thresholds at which arcs last about as long as in the plan.
 
     Where thrust is on at the best places only, it is as slow as windows of the plan are, and
     cheaper.
@@ -179,7 +179,7 @@ def _matched(task: ThrustTask, programme: Programme, arcs: tuple[LowThrustArc, .
 
 
 def _threshold(law: Array, mean: Array, wanted: float, since_j2000: float) -> float:
-    """Threshold with which thrust is on for a share of the revolution, if it can be."""
+    """Threshold at which thrust is on for a share of the revolution, if possible."""
     longest = float(primer.peak(law))
     low, high = LEAST_THRESHOLD, LARGEST_THRESHOLD
     if mean_thrusting.share_on(mean, law, low * longest, since_j2000) * ALMOST_ALL <= wanted:

@@ -28,10 +28,10 @@ MOST_WINDOWS = 40000
 """Maximum number of windows of thrust in a leg."""
 
 LESSONS = 2
-"""Number of integrated flights by which the prediction of a programme is corrected beforehand."""
+"""Number of integrated flights used to correct the prediction of a programme."""
 
 APPROACH_BURNS = 3
-"""Number of impulses of the approach, a quarter of it apart from each other at first."""
+"""Number of impulses of the approach, initially a quarter of it apart."""
 
 
 class Tows(NamedTuple):
@@ -107,7 +107,7 @@ def refine_thrust_leg(
                     after_launch=True if tows.after_launch and led is not None else None,
                     tow=None if tows.after is None else towed_by_spiral(bodies, tows.after),
                 )
-    raise ArithmeticError("no arcs of thrust were found that lead to the stand-off in time")
+    raise ArithmeticError("no arcs of thrust were found that reach the stand-off in time")
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class _Approach:
     docked_s: float
 
     def made(self, begin: Array, begin_s: float) -> tuple[LegEnds, FlownImpulses]:
-        """Impulses of little ΔV that end it."""
+        """Impulses of little ΔV that complete the approach."""
         goal = self.bodies.state(self.leg.destination, self.docked_s)
         turned = math.sqrt(float(begin[3:] @ begin[3:]) / float(begin[:3] @ begin[:3]))
         angle = turned * (self.docked_s - begin_s)
@@ -131,7 +131,7 @@ class _Approach:
 def _recorded(
     number: int, leg: Leg, task: ThrustTask, programme: Programme, approach: _Approach
 ) -> RefinedLeg:
-    """The leg as the file has it."""
+    """The leg in the form of a refined plan."""
     flown = task.integrate(programme, np.empty((MOST_WINDOWS, 3)))
     last, docking = approach.made(flown.end, task.end_s)
     burns = tuple(

@@ -1,4 +1,4 @@
-"""Flown thrust as refined plans have it: arcs with their laws and windows, and states along it."""
+"""Flown thrust in the form of refined plans: arcs with laws and windows, and states along them."""
 
 from __future__ import annotations
 

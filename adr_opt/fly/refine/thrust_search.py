@@ -14,13 +14,13 @@ from .thrust_guess import LARGEST_THRESHOLD, LEAST_THRESHOLD, first_guess
 from .thrust_task import Integration, Programme, ThrustTask
 
 STEP_M_S = 0.02
-"""Step of the differences by which derivatives are taken."""
+"""Step of finite differences [m/s]."""
 
 CLOSED_M_S, EXACT_M_S = 1e-2, 1e-5
-"""Misses below which a prediction leads to its goal, and needs no more steps."""
+"""Misses at which a prediction reaches its goal, and at which no further step is taken [m/s]."""
 
 MOST_STEPS, MOST_ROUNDS, MOST_HALVINGS = 10, 3, 6
-"""Maximum numbers of Newton's steps, of rounds of them, and of halvings of a step."""
+"""Maximum numbers of Newton steps, of rounds of them, and of halvings of a step."""
 
 LEAST_STEPS = 60
 """Maximum number of steps towards the least ΔV."""
@@ -29,13 +29,13 @@ SPARE, SPARE_S = 0.03, 9000.0
 """Time between the second arc and the end, as a share of the arc, and at least [s]."""
 
 WIDER = 0.75
-"""Share of their thresholds that wider windows have."""
+"""Factor on thresholds that widens windows."""
 
 SCALE, SCALE_S, STEP = 100.0, 5.0 * 86400.0, 2e-4
 """Units of laws [m/s] and times [s] in the search for the least ΔV, and step of its differences."""
 
 LATE = 2.0
-"""Time that an arc is taken to need beyond the end, over the thrust that is left undone."""
+"""Assumed time of an arc beyond the end, as a multiple of the time of thrust left undone."""
 
 RANK = 1e-6
 """Relative size of singular values that are taken for 0."""
@@ -68,7 +68,7 @@ def candidates(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Iterator[Pro
 
 
 def minimum_norm(derivative: Array, wanted: Array) -> Array:
-    """The smallest change of laws that changes a miss as wanted, shape (10,) [m/s]."""
+    """The least change of laws that changes a miss by a given amount, shape (10,) [m/s]."""
     step: Array = np.asarray(np.linalg.lstsq(derivative, wanted, rcond=RANK)[0], dtype=np.float64)
     return step
 
@@ -101,7 +101,7 @@ def _led(task: ThrustTask, guess: Programme, laps: float) -> Programme | None:
 
 
 def _led_in_steps(task: ThrustTask, guess: Programme, laps: float) -> Programme | None:
-    """The same from farther: first to the goal, and then to the least ΔV."""
+    """A programme that meets the goal, in two steps: first the goal, then the least ΔV."""
     near = _in_time(task, guess)
     for _ in range(MOST_ROUNDS):
         near = _in_time(task, _closed(task, near, laps))
@@ -116,7 +116,7 @@ def _is_closed(task: ThrustTask, programme: Programme, laps: float) -> bool:
 
 
 def _in_time(task: ThrustTask, programme: Programme) -> Programme:
-    """The same with a second arc that ends some time before the goal."""
+    """A programme whose second arc ends some time before the goal."""
     told = task.predict(programme)
     lasts = (told.ends_s[1] - programme.second_s) * (1.1 if told.left_s > 0.0 else 1.0)
     begins = task.end_s - lasts - max(SPARE * lasts, SPARE_S)
@@ -126,7 +126,7 @@ def _in_time(task: ThrustTask, programme: Programme) -> Programme:
 
 
 def _closed(task: ThrustTask, programme: Programme, laps: float) -> Programme:
-    """The programme after Newton's steps of least change."""
+    """The programme after Newton steps of least change."""
     off = task.off(task.predict(programme).mean, laps)
     for _ in range(MOST_STEPS):
         if np.abs(off).max() < EXACT_M_S or not np.isfinite(off).all():
@@ -165,7 +165,7 @@ def _least(task: ThrustTask, programme: Programme, laps: float) -> Programme:
         return Programme(SCALE * unknown[:10], unknown[10:12], task.start_s + SCALE_S * unknown[12])
 
     def told(unknown: Array) -> Array:
-        """Misses, and the time that is left after both arcs."""
+        """Misses, and the time left after both arcs."""
         tried = made(unknown)
         found = task.predict(tried)
         late = found.ends_s + LATE * found.left_s
@@ -177,7 +177,7 @@ def _least(task: ThrustTask, programme: Programme, laps: float) -> Programme:
     known: dict[bytes, tuple[Array, Array]] = {}
 
     def linear(unknown: Array) -> tuple[Array, Array]:
-        """Those and their derivatives, by differences."""
+        """Misses and time left, with their derivatives by differences."""
         key = unknown.tobytes()
         if key not in known:
             here, slope = told(unknown), np.empty((8, began.size))
@@ -231,14 +231,14 @@ GOOD_M, GOOD_M_S = 0.2, 2e-4
 """Misses that are good enough if no step makes them smaller."""
 
 MOST_NEWTON_STEPS, MOST_DERIVATIVES = 30, 6
-"""Maximum numbers of steps, and of derivatives by differences of integrated flights."""
+"""Maximum numbers of steps, and of derivatives from integrated flights."""
 
 DIFFERENCE_M_S, LEAST_DIFFERENCE_M_S = 0.02, 1e-3
-"""First and last step of those differences."""
+"""First and last step of the differences between integrated flights."""
 
 
 class _Flight(NamedTuple):
-    """A programme with its integrated flight and what that misses by."""
+    """A programme with its integrated flight and the miss of that flight."""
 
     programme: Programme
     flown: Integration

@@ -1,4 +1,4 @@
-"""A leg of low thrust as a task: its chaser, from a state to another one, by two arcs."""
+"""A leg of low thrust as a task: a chaser flies from one state to another by two arcs."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ class Propelled:
     class_kg: float
 
     def towing(self, object_kg: float) -> Push:
-        """All of its thrust, with an object attached."""
+        """The full thrust of the chaser, with an object attached."""
         drive = self.drive
         both = self.mass_kg + object_kg
         return Push(drive.thrust_n, drive.exhaust_m_s, both, self.since_j2000_s)
 
     def pushes(self) -> tuple[Push, ...]:
-        """Its thrust: with the acceleration of its class, as planned, or all of it."""
+        """The thrust of the chaser: for the acceleration of its class, as planned, or in full."""
         drive = self.drive
         shares = dict.fromkeys((min(1.0, self.mass_kg / self.class_kg), 1.0))
         return tuple(
@@ -62,7 +62,7 @@ def propelled_by_leg(instance: Instance, plan: Plan) -> dict[int, Propelled]:
 
 
 def towing_by_leg(instance: Instance, plan: Plan) -> dict[int, Propelled]:
-    """The same after the service of the leg, and before a tow that follows."""
+    """The chaser after the service of each leg, before a tow that follows."""
     return {number: after for number, (_, after) in _propelled(instance, plan).items()}
 
 
@@ -120,7 +120,7 @@ class Programme:
         return laws
 
     def steered_by(self, steered: Array) -> Programme:
-        """The same with other laws."""
+        """A programme with other laws."""
         return Programme(steered, self.thresholds, self.second_s)
 
 
@@ -166,7 +166,7 @@ class Integration(NamedTuple):
 
 @dataclass(frozen=True)
 class ThrustTask:
-    """What a leg of low thrust begins with, and what it is to reach.
+    """Start and goal of a leg of low thrust.
 
     Attributes
     ----------
@@ -212,7 +212,7 @@ class ThrustTask:
         return np.array([0.5 * v / a, 0.5 * v, 0.5 * v, v, v * sine, a / (3.0 * span)])
 
     def arcs(self, programme: Programme) -> ThrustArcs:
-        """ThrustArcs as kernels take them."""
+        """The programme's arcs as kernels take them."""
         laws, costs, push = programme.laws, programme.costs_m_s, self.push
         least = [s * primer.peak(law) for s, law in zip(programme.thresholds, laws, strict=True)]
         mass = push.mass * np.exp(-np.array([0.0, costs[0]]) / push.exhaust)
@@ -229,7 +229,7 @@ class ThrustTask:
         return Prediction(mean + self.bias, ends_s, left_s)
 
     def learnt(self, programme: Programme) -> ThrustTask:
-        """The task with predictions corrected by the integrated flight of a programme.
+        """The task, with predictions corrected by the integrated flight of a programme.
 
         Averaged rates are of first order. In a drift of months the node is a tenth of a degree off
         them, which takes another number of laps.
@@ -244,7 +244,7 @@ class ThrustTask:
         return replace(self, bias=self.bias + off)
 
     def integrate(self, programme: Programme, room: Array = NO_WINDOWS) -> Integration:
-        """Integrated flight, with windows for as many as there is room."""
+        """Integrated flight, with up to a maximum number of windows."""
         now = thrusting.elements_of(self.start, self.start_s)
         began = now[6]
         count, mass, left = thrusting.fly(

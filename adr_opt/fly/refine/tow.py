@@ -1,4 +1,4 @@
-"""Refinement of tows: burns along the true motion, those that lower a perigee aimed at it.
+"""Refinement of tows: burns along the true motion; those that lower a perigee are aimed.
 
 The plan's tows are two burns half a revolution apart, or one at an apogee. An osculating orbit is
 no ellipse, by kilometres; burns of the same size leave the object as near to its circle. Nothing is
@@ -24,17 +24,17 @@ from ...problem.instance import Instance
 from .bodies import Gravity, moved, recorded
 
 PLACES = 144
-"""Number of times in a revolution among which the least radius is looked for."""
+"""Number of samples of a revolution in the search for the least radius."""
 
 AIMED_STEPS, CLOSE_M = 12, 10.0
 """Maximum number of steps of a burn that aims at a perigee, and how near it comes [m]."""
 
 BACK_SPARE_M = 1e3
-"""How far above the limit of altitude a chaser comes back to [m]."""
+"""Height above the limit of altitude to which a chaser returns [m]."""
 
 
 class HasStates(Protocol):
-    """Where bodies are at any time."""
+    """Interface to the states of bodies at any time."""
 
     gravity: Gravity
 
@@ -91,7 +91,7 @@ def towed(
 
 
 def _perigees(instance: Instance, name: str) -> tuple[float, float] | None:
-    """Radii of perigee of an object and of its chaser, where that is what its tow aims at [m]."""
+    """Radii of perigee of an object and its chaser where the tow aims at a perigee [m]."""
     target = instance.targets[instance.names.index(name) - instance.first_target]
     disposal = instance.disposal_of(target)
     if not isinstance(disposal, DisposalPerigee):
@@ -157,7 +157,7 @@ def _aimed(state: Array, planned: Array, perigee_m: float, gravity: Gravity) -> 
 
 
 def along(burn: Burn | RefinedBurn, velocity: Array) -> Array:
-    """A burn as large as planned, with or against a velocity as the plan has it, (3,) [m/s]."""
+    """A burn of planned size and sense along a velocity, (3,) [m/s]."""
     size = math.copysign(burn.size_m_s, float(velocity @ np.array(burn.delta_v_m_s)))
     impulse: Array = size * velocity / np.linalg.norm(velocity)
     return impulse

@@ -1,4 +1,4 @@
-"""Why a refined plan does not hold, and which part of it does."""
+"""Reasons why a refined plan does not hold, and the part of it that holds."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Strayed(NamedTuple):
 
 
 def strayed(instance: Instance, refined: RefinedPlan) -> Iterator[Strayed]:
-    """Releases by spirals that ``fly`` does not let hold."""
+    """Releases by spirals that miss the disposal orbit as judged by ``fly``."""
     for leg in refined.legs:
         tows: list[tuple[str, RefinedTow | None]] = [(leg.destination, leg.tow)]
         if leg.after_launch:
@@ -158,7 +158,7 @@ def beginning(
 
 
 def _ending(instance: Instance, flown: Flown, count: int) -> Iterator[Leg]:
-    """The first legs of a chaser, the last tow starting at once, as no leg follows.
+    """The first legs of a chaser; the last tow starts immediately, as no leg follows.
 
     A spiral keeps its times, for which it was refined.
     """

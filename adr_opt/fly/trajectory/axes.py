@@ -47,7 +47,7 @@ class Axes:
 
     @property
     def said(self) -> str:
-        """A sentence describing the axes."""
+        """A sentence that describes the axes."""
         if self.own is None:
             return (
                 "The reference frame was named on export: the instance says only that its "

@@ -140,7 +140,7 @@ def propagate(
     rate = math.sqrt(MU_M3_S2 * inverse_axis) * inverse_axis
     anomaly = rate * times
     if not bool(np.all(np.abs(anomaly) < 2.0 * math.pi * MOST_REVOLUTIONS)):
-        raise ArithmeticError(f"{float(np.max(np.abs(times))):.6g} s is too long a coast")
+        raise ArithmeticError(f"{float(np.max(np.abs(times))):.6g} s is too long for one coast")
 
     c = 1.0 - radius * inverse_axis  # e cos E at time zero
     s = float(r @ v) / math.sqrt(MU_M3_S2 * axis)  # e sin E

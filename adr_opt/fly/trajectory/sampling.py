@@ -233,7 +233,7 @@ def _arcs(
     except ArithmeticError as error:
         raise InputError(f"leg {number}: cannot be flown: {error}; correct its burns") from None
     if not found:
-        raise InputError(f"leg {number}: takes no time; correct its times")
+        raise InputError(f"leg {number}: has no duration; correct its times")
     return tuple(found)
 
 
@@ -275,7 +275,7 @@ def _released(
     span_s: tuple[float, float],
     step_s: float | None,
 ) -> Iterator[Arc]:
-    """The wait between two times where the burns of a tow from apogee have led, if there is one."""
+    """The wait between two times after the burns of a tow from apogee, if any."""
     times = _times(*span_s, step_s)
     if times is not None:
         now, position, velocity = after_burns(instance, body, burns)

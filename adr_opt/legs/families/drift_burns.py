@@ -57,7 +57,7 @@ FREEDOM_S = (0.5 * DAY_S, DAY_S, 2.0 * DAY_S)
 
 
 class DriftBurns(NamedTuple):
-    """Burns of a drift leg in time order: (burns,) [s] and (burns, 3) [m/s], inertial."""
+    """Burns of a drift leg in time order: times (burns,) [s], inertial vectors (burns, 3) [m/s]."""
 
     times: FloatArray
     vectors: FloatArray

@@ -29,14 +29,15 @@ from ..service_limits import services_s, windows_at
 from .family import FloatArray, PairEnds, PiecedEnd
 
 SPARE_S = 7200.0
-"""How long before a body is too low its last departure is: legs of a grid leave a lap later."""
+"""Time by which the last departure precedes a body's sinking too low: legs on a grid leave a
+revolution later [s]."""
 
 RELEASE_M, RELEASE_SPARE_M = 10e3, 100.0
-"""Largest distance of a release from the circle of disposal, as `check` has it, and the part of
-that which is kept for the harmonics."""
+"""Largest distance of a release from the circle of disposal, as in `check`, and the margin in it
+for the harmonics [m]."""
 
 MOST_ECCENTRICITY = 0.5
-"""Far above any with which a release is near a circle."""
+"""Eccentricity far above any release near a circle."""
 
 PLACES, HALVINGS = 72, 40
 """Numbers of places of an orbit where tows may begin, and of halvings of a time."""
@@ -97,7 +98,7 @@ def altitude_limits(instance: Instance, drive: Drive | None) -> AltitudeLimits:
 
 
 def _above(orbit: Orbit, eccentricity: float, sinks_m_s: float, least_m: float) -> float:
-    """Until when the perigee of an orbit that sinks is above a limit; −inf if it never is [s]."""
+    """Time until which the perigee of a decaying orbit is above a limit; −inf for never [s]."""
     axis = orbit.semi_major_axis_m
     least = min(EARTH_RADIUS_M + least_m, axis)
     spare = axis * (1.0 - eccentricity) - least
@@ -109,7 +110,7 @@ def _above(orbit: Orbit, eccentricity: float, sinks_m_s: float, least_m: float) 
 def _released_well(
     size_m: float, eccentricity: float, tow: RemovalFlight, sinks_m_s: float, duration_s: float
 ) -> float:
-    """Until when a tow that begins anywhere on an orbit ends near the circle of disposal [s]."""
+    """Time until which a tow from anywhere on an orbit ends near the circle of disposal [s]."""
 
     def is_near(time_s: float) -> bool:
         off = _release_off_m(size_m - sinks_m_s * time_s, eccentricity, tow)
@@ -178,7 +179,7 @@ def _coasted(state: FloatArray, time_s: float) -> FloatArray:
 
 
 class AllEnds:
-    """Ends of the legs of all pairs of an instance.
+    """Data on the ends of legs, for all pairs of an instance.
 
     Attributes
     ----------
@@ -274,6 +275,6 @@ def _times(instance: Instance) -> Times | None:
 
 
 def _with_barred(costs: FloatArray, altitudes: AltitudeLimits) -> FloatArray:
-    """Costs with +inf where no leg leads."""
+    """Costs, with +inf for pairs that no leg connects."""
     barred = (altitudes.leave_by < 0.0)[:, None] | (altitudes.arrive_by < 0.0)
     return np.where(barred, math.inf, costs) if barred.any() else costs

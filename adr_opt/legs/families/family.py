@@ -22,7 +22,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class PiecedEnd(NamedTuple):
-    """An origin that is left piece by piece of time: its rows, for legs at events and on a grid.
+    """An origin whose row changes between pieces of time: its rows at events and on a grid.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class PairEnds(NamedTuple):
     pieces: PiecedEnd | None = None
 
     def left_at(self, time_s: float) -> FloatArray:
-        """The origin as it is left at a time, shape (columns,)."""
+        """Row of the origin as the chaser leaves it at a time, shape (columns,)."""
         return self.leaving if self.pieces is None else self.pieces.pieced.row_at(time_s)
 
 
@@ -260,7 +260,7 @@ class LegFamily(ABC):
         """
 
     def flown_at(self, ends: PairEnds, stated: StatedLeg, delta_v_m_s: float) -> FlownLeg:
-        """The leg of a ΔV, where there may be several between the same times.
+        """The leg with a given ΔV, where there may be several between the same times.
 
         By default the one that :meth:`flown` makes.
         """
@@ -292,7 +292,7 @@ class RegisteredFamily(LegFamily):
 
     @abstractmethod
     def ways(self, ends: PairEnds, after_s: float) -> Iterator[Way]:
-        """Legs that leave soon after a time [s], all of which connections have to match.
+        """Legs that leave soon after a time [s], all of which the connections must match.
 
         ``verify`` samples them.
         """

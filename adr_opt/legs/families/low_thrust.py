@@ -120,7 +120,7 @@ class LowThrustLegs(LegFamily):
         else:
             leg = low_thrust.leg_stated(pair, thrust, *times, delta_v_m_s)
         if not math.isfinite(leg.split.delta_v):
-            raise InputError("there is no leg of low thrust between these times")
+            raise InputError("no low-thrust leg exists between these times")
         return FlownLeg(stated.departure, arcs=_arcs(pair.drift, leg, stated))
 
 
@@ -253,6 +253,6 @@ def too_weak(instance: Instance) -> str | None:
     if soonest <= instance.mission.duration_s or math.isinf(quickest):
         return None
     return (
-        f"the thrust is too small for any leg in the mission of {instance.mission.duration_s:g} s: "
+        f"the thrust is too low for any leg in the mission of {instance.mission.duration_s:g} s: "
         f"the quickest, from {between[0]!r} to {between[1]!r}, takes some {quickest / DAY_S:.0f} d"
     )
