@@ -67,7 +67,7 @@ def test_the_least_cost_of_a_chaser_is_that_of_enumeration(draw, seeds):
         assert plan.cost_status == "optimal", seed
         assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), seed
         proven += plan.cost > plan.delta_v_m_s
-    assert proven > 0.3 * len(seeds)
+    assert proven >= 0.3 * len(seeds)
 
 
 @over_kinds(

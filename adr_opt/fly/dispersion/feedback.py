@@ -148,7 +148,7 @@ def parts_of(
         With an approach.
     gravity : {"two-body", "j2", "j3", "j4"}
     corrections : int
-        Burns for corrections alone after each burn before the approach.
+        Burns for corrections alone after each burn.
     ends : UncertainEnds
     """
     first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
@@ -163,7 +163,18 @@ def parts_of(
         ends,
         blind=True,
     )
-    approach = part(transfer.goal, leg.standoff_s, leg.burns[first:], leg.arrival_s, gravity)
+    # The impulse at the stand-off, which also begins the approach, is the last one of the transfer;
+    # what it leaves wrong is corrected after it, like what any other burn does.
+    stop = leg.burns[first - 1].replace(time_s=leg.standoff_s, delta_v_m_s=(0.0, 0.0, 0.0))
+    approach = part(
+        transfer.goal,
+        leg.standoff_s,
+        (stop, *leg.burns[first:]),
+        leg.arrival_s,
+        gravity,
+        corrections,
+        blind=True,
+    )
     return transfer, approach
 
 

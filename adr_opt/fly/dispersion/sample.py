@@ -134,7 +134,8 @@ def sample_flights(  # noqa: PLR0913
 
     Every leg begins docked, near the state that it was planned with; its first burn is made as
     planned, and after it, and after every burn, the state is known. Burns that are left, and some
-    for corrections alone, lead to the stand-off; the approach to the target. Times do not change.
+    for corrections alone, lead to the stand-off, and those of the approach to the target. Times do
+    not change.
 
     Parameters
     ----------
@@ -145,7 +146,7 @@ def sample_flights(  # noqa: PLR0913
         Those of :class:`FlightErrors` by default.
     seed : int
     corrections : int
-        Burns for corrections alone after each burn before the approach that has time for them.
+        Burns for corrections alone after each burn that has time for them before the next.
     share : float
         Of the flights whose needs are asked for.
     targets : mapping, optional
