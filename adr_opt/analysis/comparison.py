@@ -126,7 +126,7 @@ class Difference:
 
     @property
     def same(self) -> bool:
-        """Whether there are none."""
+        """Whether the plans are the same."""
         return all(pair.what == "same" for pair in self.pairs)
 
     def to_dict(self) -> dict[str, Any]:
@@ -186,7 +186,7 @@ def compare(instance: Instance, plans: Mapping[str, AnyPlan]) -> Comparison:
     """
     refuse(instance, FOLLOWS)
     if len(plans) < 2:
-        raise InputError("there is nothing to compare with; give two plans or more")
+        raise InputError("one plan only, which cannot be compared; give two or more")
     judged = dict[str, Plan]()
     sides = []
     for name, plan in plans.items():

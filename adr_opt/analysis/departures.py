@@ -32,7 +32,7 @@ NEAR_S = 1.0
 """Tolerance of a time that selects a connection [s]."""
 
 BUILD_S = 20.0
-"""Longest time to build a timetable for the reasons of targets left out [s]."""
+"""Longest time to build a timetable that explains targets left out [s]."""
 
 Body = int | str
 ChosenLeg = Body | tuple[Body, float] | tuple[Body, float, float]
@@ -221,7 +221,7 @@ def _why_not(mission: Mission, moves: tuple[int, ...]) -> str:
     end = begin + service
     if begin > closing:
         return (
-            f"is over at {end:.10g} s at the earliest, service included, after its window, the "
+            f"ends at {end:.10g} s at the earliest, service included, after its window, the "
             f"mission or the chaser's time, which end at {closing + service:.10g} s"
         )
     spent = mission.connecting.spent_m_s(body)
@@ -312,7 +312,7 @@ def _nothing_there(mission: Mission, i: int, leg: _Leg, found: Connections) -> s
     way = f"from {mission.names[i]!r} to {mission.names[leg.body]!r}"
     assert leg.departure_s is not None
     if not found.departure.size:
-        return f"{way}: there is no connection at all"
+        return f"{way}: no connection exists"
     what, times, wanted = "departs", found.departure, leg.departure_s
     then = f"at {wanted:.10g} s"
     if leg.arrival_s is not None:

@@ -29,7 +29,7 @@ LONGEST_TRIED = 1000
 
 
 class GridTrial(NamedTuple):
-    """Orders of a plan on another grid.
+    """Cost of a plan's orders on another grid.
 
     Attributes
     ----------
@@ -104,6 +104,6 @@ def grid_advice(problem: Problem, plan: Plan) -> str | None:
         return (
             f"a coarser grid is enough: with drift_step_s = {coarser.step_s:g} "
             f"({in_days(coarser.step_s)}) the same orders take {coarser.delta_v_m_s:.0f} m/s, not "
-            f"{planned:.0f}, and there is far less to search"
+            f"{planned:.0f}, with far fewer connections to search"
         )
     return None

@@ -79,7 +79,7 @@ def orders_of(
         said, sign, rest = word.partition(":")
         if sign and said in chasers and word not in instance.names:
             if said in found:
-                raise InputError(f"{where}{said!r} has an order already; give it one")
+                raise InputError(f"{where}{said!r} already has an order; give only one")
             chaser, word = said, rest.strip()
             found[said] = []
             if not word:

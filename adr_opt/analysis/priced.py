@@ -1,4 +1,4 @@
-"""Exact timing of orders of bodies: their flyable part, the obstacle, and remedies."""
+"""Exact timing of orders of bodies: the flyable part, the obstacle, and remedies."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class PricedRoute(Shown):
 
     @property
     def holds(self) -> bool:
-        """Whether all of it can be flown."""
+        """Whether the whole order can be flown."""
         return not self.reason
 
     def to_dict(self) -> dict[str, Any]:
@@ -116,7 +116,7 @@ class PricedOrder(Shown):
             They are none.
         """
         if not self.holds:
-            raise InputError("the order cannot be flown as it is; mend it first")
+            raise InputError("the order cannot be flown as given; repair it first")
         problem = problem_of(self.instance) if problem is None else problem
         flown = [
             mission.numbers(route.order).tolist()

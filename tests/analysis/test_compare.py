@@ -129,7 +129,7 @@ def test_campaigns_are_compared_by_chaser(cli: Cli) -> None:
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [
-        (("best.json",), "give two plans or more"),
+        (("best.json",), "give two or more"),
         (("best.json", "best.json"), "a plan is given twice"),
         (("best.json", "none.json"), "none.json: no such file"),
         (("best.json", "foreign.json"), "foreign.json: "),

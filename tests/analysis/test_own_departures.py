@@ -164,7 +164,7 @@ def test_what_is_wrong_is_one_sentence() -> None:
     assert f"leg 2, to '{second[0]}', departs at {early:.10g} s, but the chaser is free at" in said
     late = there.departure.argmax()
     said = refused(instance, [first, (second[0], there.departure[late], there.arrival[late])])
-    assert "is over at" in said
+    assert "ends at" in said
     said = refused(instance.with_limits(delta_v_m_s=20.0), [first])
     assert said.startswith(f"leg 1, to {named}, needs ")
     assert said.endswith(" m/s, but only 20 m/s are left")

@@ -159,7 +159,7 @@ def test_what_is_required_is_not_left_out() -> None:
     made = priced(instance, "north", "beyond")
     assert made.lacking == ("south",)
     assert not made.holds
-    with pytest.raises(InputError, match="mend it first"):
+    with pytest.raises(InputError, match="repair it first"):
         made.plan()
     (route,) = priced(instance, "south", "north", "beyond").routes
     assert route.remedies
@@ -246,7 +246,7 @@ def test_several_chasers_have_to_be_told_apart(cli: Cli) -> None:
     campaign().save("c.json")
     one = campaign().targets[0].name
     refused(cli("price", "c.json", one), "there are several chasers; begin with one")
-    refused(cli("price", "c.json", f"{HOME}:{one}", f"{HOME}:"), "has an order already")
+    refused(cli("price", "c.json", f"{HOME}:{one}", f"{HOME}:"), "already has an order")
     refused(cli("price", "c.json", f"{HOME}:{one}", f"{OWN}:{one}"), "is visited by")
 
 

@@ -295,7 +295,7 @@ def test_what_does_not_fit_is_refused() -> None:
     known = "beam, follow, learned, ppo, replan, skip"
     with pytest.raises(InputError, match=f"unknown; use one of: {known}"):
         rehearse(instance, plan, CERTAIN, policy="none", samples=1)
-    with pytest.raises(InputError, match="keeps to a plan; give one"):
+    with pytest.raises(InputError, match="follows a plan; give one"):
         setting_of(instance, None, CERTAIN, "follow")
     other = adr_opt.generate("tiny", seed=1)
     with pytest.raises(InputError, match="belongs to the instance"):

@@ -400,7 +400,7 @@ def test_a_required_target_that_cannot_be_reached_is_the_answer_no(cli: Cli) -> 
         (("--at", "0.1", "--zones", "bad.json"), "bad.json: zone 1: "),
         (("--at", "0.1", "--zones", "i.json", "--lost", "nobody"), "'nobody' is not a body"),
         (("--at", "0.1", "--lost", "station"), "not a target"),
-        (("--at", "14", "--lost", "south"), "it is done by then"),
+        (("--at", "14", "--lost", "south"), "it is serviced by then"),
         (("--at", "0.1", "--keep", "-1"), "keep = -1"),
         (("--at", "0.1", "--failed", "9"), "the plan has the legs 1 to 4"),
         (("--at", "0.1", "--method", "no"), "'no'"),
@@ -437,4 +437,4 @@ def test_zones_price_legs_by_their_sequence_again() -> None:
     for zones, burns in (((), "free"), ((ZONE,), "sequence")):
         made = replan(free, plan, 0.4 * DAY_S, zones=zones)
         assert made.instance.transfer.burns == burns
-        assert any("where free burns lead" in note for note in made.notes) == bool(zones)
+        assert any("paths of free burns" in note for note in made.notes) == bool(zones)

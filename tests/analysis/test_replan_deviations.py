@@ -513,13 +513,13 @@ def test_the_verb_takes_all_that_went_otherwise(cli: Cli) -> None:
         (("--missed", "far"), "missed 'far': no leg of the plan leads to it"),
         (("--missed", "station"), "missed 'station': not a target"),
         (("--retry",), "no target is missed"),
-        (("--service-took", "south=2"), "leg 1, which leads to it, is planned anew"),
+        (("--service-took", "south=2"), "leg 1, which leads to it, is replanned"),
         (("--service-took", "south"), "give NAME=DAYS"),
         (("--service-took", "south=soon"), "--service-took 'soon': give days"),
         (("--service-took", "south=-1"), "service-took 'south': -86400 s"),
         (("--service-took", "south=1e306"), "service-took 'south': "),
         (("--service-took", "south=1", "--service-took", "south=2"), "give one"),
-        (("--cost", "1=12"), "cost of leg 1: leg 1 is planned anew"),
+        (("--cost", "1=12"), "cost of leg 1: leg 1 is replanned"),
         (("--cost", "9=12"), "the plan has the legs 1 to 4"),
         (("--cost", "1=-3"), "cost of leg 1: -3 m/s"),
         (("--cost", "1=nan"), "cost of leg 1: nan m/s"),
@@ -541,5 +541,5 @@ def test_begun_legs_are_referred_to_what_can_be_told_of_them(cli: Cli) -> None:
     instance.save("i.json")
     plan.save("p.json")
     at = ("--at", f"{plan.legs[0].leaves_s + 1.0}s")
-    refused(cli("replan", "i.json", "p.json", *at, "--failed", "1"), "tell it as missed")
-    refused(cli("replan", "i.json", "p.json", *at, "--lost", "south"), "tell it as missed")
+    refused(cli("replan", "i.json", "p.json", *at, "--failed", "1"), "report it as missed")
+    refused(cli("replan", "i.json", "p.json", *at, "--lost", "south"), "report it as missed")

@@ -275,7 +275,7 @@ def test_points_are_all_pairs() -> None:
         (("--vary", "delta-v=5,5"), "each given once"),
         (("--vary", "delta-v=1:1e9:1"), "more than the 10000 allowed"),
         (("--vary", "delta-v=5", "--vary", "delta-v=6"), "varied twice"),
-        (("--vary", "delta-v=5", "--vary", "propellant=6"), "two ways to say what is in a tank"),
+        (("--vary", "delta-v=5", "--vary", "propellant=6"), "each states the content of a tank"),
         (("--vary", "propellant=5"), "is given in ΔV, without masses"),
         (("--vary", "delta-v=5", "--method", "no"), "'no'"),
         (("--vary", "delta-v=5", "--time-limit", "0"), "time limit = 0"),

@@ -48,7 +48,7 @@ def test_former_drifts_have_to_be_planned_anew():
     """`check` says once that drift legs of the former model are to be planned anew."""
     plan = drifting_plan().replace(model=2)
     (said,) = [v for v in adr_opt.check(drifting_instance(), plan) if v.rule == "model"]
-    assert "plan anew" in said.message
+    assert "plan again" in said.message
     assert not adr_opt.check(drifting_instance(), drifting_plan())
 
 

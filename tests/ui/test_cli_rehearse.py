@@ -212,5 +212,5 @@ def test_a_file_of_rehearsals_needs_a_plan(rehearsed, cli: Cli, tiny_file: Path)
         f"rehearse {tiny_file} --uncertainty u.json --policy replan --samples 1 --resume r.jsonl"
     )
     assert outcome.status == 2
-    assert "begin with a plan that is given" in outcome.err
+    assert "need a given plan" in outcome.err
     assert not Path("r.jsonl").exists()

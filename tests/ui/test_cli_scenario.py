@@ -88,7 +88,7 @@ def test_without_a_campaign_both_futures_are_told(drawn) -> None:
         (("--years", 201), "--years 201: must be at least 1 and at most 200"),
         (("--years", -3), "--years -3"),
         (("--worth-years", 500), "--worth-years 500"),
-        (("--campaign-failure", 2), "--campaign-failure 2: a chance is between 0 and 1"),
+        (("--campaign-failure", 2), "--campaign-failure 2: must be a chance between 0 and 1"),
         (("--shells", "500"), "--shells '500'"),
         (("--shells", "900:200:3"), "--shells: from 900 to 200 km"),
         (("--species", "moon=M"), "--species 'moon=M'"),

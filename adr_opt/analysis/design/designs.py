@@ -1,4 +1,4 @@
-"""Designs of a campaign: what is varied of an instance, and the instance of each."""
+"""Designs of a campaign: the varied limits of an instance, and the instance of each design."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ...problem.support import refuse
 from ..trade.axes import KINDS, MOST_POINTS, Axis, with_drive
 
 MOST_LAUNCHES = 200
-"""Maximum number of launches; more are taken for a typing error."""
+"""Maximum number of launches; more must be a typing error."""
 
 
 @dataclass(frozen=True)
 class Design:
-    """A choice of values for what is varied.
+    """A design: one value for each varied limit.
 
     Attributes
     ----------
@@ -32,12 +32,12 @@ class Design:
     values: tuple[tuple[str, float], ...]
 
     def value(self, kind: str) -> float | None:
-        """Its value of a kind; None where that is not varied."""
+        """Value of a varied limit; None if the limit is not varied."""
         return dict(self.values).get(kind)
 
     @property
     def budget(self) -> float:
-        """What its plans may cost; +inf where that is not varied [euros]."""
+        """Budget for plans; +inf if it is not varied [euros]."""
         value = self.value("budget")
         return math.inf if value is None else value
 
@@ -73,7 +73,7 @@ def designs_of(axes: Sequence[Axis]) -> list[Design]:
     if len(set(kinds)) < len(kinds):
         raise InputError("one limit is varied twice; give its values in one list")
     if {"delta-v", "propellant"} <= set(kinds):
-        raise InputError("vary delta-v or propellant: they are two ways to say what is in a tank")
+        raise InputError("vary delta-v or propellant, not both: each states the content of a tank")
     count = 1
     for axis in axes:
         count *= len(axis.values)
@@ -124,7 +124,7 @@ def designed(instance: Instance, design: Design) -> Instance:
 
 
 def launched(instance: Instance, count: int) -> tuple[Chaser, ...]:
-    """The first chasers of an instance, and copies of its last one where there are too few.
+    """The first chasers of an instance, with copies of its last one if there are too few.
 
     Copies are launched, or available, as long after each other as the last two chasers are.
 
@@ -172,11 +172,11 @@ SEPARATED = Follower(
     FIRST | CAMPAIGNS | MODELLED | {"functions of time", "capture windows"},
     "vary launches instead",
 )
-"""Launches at intervals, not at times of the plan's choice."""
+"""Varied launches are at fixed intervals, not at times that the plan chooses."""
 
 
 def _separated(instance: Instance, separation_s: float) -> Instance:
-    """Each chaser available, or launched, as long after the one before it."""
+    """The instance with each chaser launched or available a fixed time after the previous one."""
     refuse(instance, SEPARATED)
     first_s = instance.chasers[0].available_s[0]
     made = _each(
@@ -191,7 +191,7 @@ def _separated(instance: Instance, separation_s: float) -> Instance:
 
 
 def _lifted(instance: Instance, altitude_m: float) -> Instance:
-    """Chasers that are launched into orbits, into higher or lower ones."""
+    """The instance with another altitude of launches into orbits."""
     if all(chaser.launch is None for chaser in instance.chasers):
         raise InputError(
             f"vary altitude: no chaser of {instance.name!r} is launched into an orbit; give one a "
@@ -208,7 +208,7 @@ def _lifted(instance: Instance, altitude_m: float) -> Instance:
 
 
 def _shifted(instance: Instance, start_s: float) -> Instance:
-    """The first chaser available from a time, and the others as long after it as before."""
+    """The instance with availability shifted so that the first chaser starts at a time."""
     later_s = start_s - min(chaser.available_s[0] for chaser in instance.chasers)
     return _each(
         instance,

@@ -1,4 +1,4 @@
-"""Prices of launches, kits and kilograms in euros, what a plan costs, and what a budget allows.
+"""Prices of launches, kits and kilograms [euros], costs of plans, and limits by a budget.
 
 A budget limits launches, and targets of plans with more launches.
 """
@@ -27,7 +27,7 @@ Legs = Sequence[tuple[str, float]]
 
 @dataclass(frozen=True)
 class CampaignPrices:
-    """Prices of what a campaign uses; there are no defaults but those of the instance.
+    """Prices of a campaign's launches, kits and mass; the only defaults are the instance's.
 
     Where any is given, the others count 0, and the ``expense`` that chasers of the instance state
     does not count. Where none is, that expense counts.
@@ -57,7 +57,7 @@ class CampaignPrices:
 
     @property
     def are_given(self) -> bool:
-        """Whether any is."""
+        """Whether any price is given."""
         return any(price is not None for price in (self.launch, self.kit, self.kilogram))
 
     @property
@@ -75,7 +75,7 @@ class CampaignPrices:
         )
 
     def applied(self, instance: Instance) -> Instance:
-        """The instance whose cost these prices are, kits aside, which depend on targets alone.
+        """The instance with these prices, those of kits excluded, as its cost.
 
         Raises
         ------
@@ -85,8 +85,8 @@ class CampaignPrices:
         if not self.are_given:
             if all(chaser.expense is None for chaser in instance.chasers):
                 raise InputError(
-                    f"what the designs of {instance.name!r} cost is not known; give --launch-cost, "
-                    "--kit-cost or --kg-cost, or an expense of its chasers"
+                    f"the costs of the designs of {instance.name!r} are unknown; give "
+                    "--launch-cost, --kit-cost or --kg-cost, or an expense of its chasers"
                 )
             return _minimising(instance)
         chasers = tuple(
@@ -111,12 +111,12 @@ class CampaignPrices:
         return Expense(fixed=fixed, per_kg=per_kg)
 
     def of_route(self, instance: Instance, chaser: Chaser, legs: Legs) -> float:
-        """Euros of a chaser that flies some legs, on an instance with these prices applied."""
+        """Cost of a chaser that flies some legs of an instance with prices applied [euros]."""
         kits = kits_of(instance, (body for body, _ in legs))
         return expense_of(instance, chaser, legs) + self.per_kit * kits
 
     def of_plan(self, instance: Instance, plan: Plan) -> float:
-        """Euros of a plan, on an instance with these prices applied."""
+        """Cost of a plan, on an instance with these prices applied [euros]."""
         return math.fsum(
             self.of_route(instance, flown.chaser, flown.spent)
             for flown in routes_of(instance, plan)
@@ -124,17 +124,17 @@ class CampaignPrices:
 
 
 def _minimising(instance: Instance) -> Instance:
-    """The instance with the expense as its cost, whose days are not priced then."""
+    """The instance with the expense as its cost, without a price of days."""
     objective = instance.objective.replace(cost="expense", time_m_s_per_day=None)
     return instance.replace(objective=objective)
 
 
 ROUNDED = 1e-6
-"""What rounding may take off a number of targets."""
+"""Tolerance for rounding in a number of targets."""
 
 
 class Spending(NamedTuple):
-    """What is left of an instance within a budget.
+    """An instance restricted by a budget.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ class Spending(NamedTuple):
 def spending_of(
     instance: Instance, prices: CampaignPrices, rating: Rating, budget: float
 ) -> Spending | None:
-    """What a budget allows; None if not even one launch.
+    """The restrictions by a budget; None if it allows no launch.
 
     A chaser costs at least its fixed price. Where all are alike but for when they are available,
     those available first can fly whatever as many others can, as they may wait; so the others are
@@ -201,7 +201,7 @@ def _may_wait(instance: Instance) -> bool:
 
 
 def _alike(chasers: Sequence[Chaser]) -> bool:
-    """Whether chasers differ in nothing but their names and since when they are available."""
+    """Whether chasers differ only in their names and in when they become available."""
     kinds = {
         chaser.replace(name="chaser", available_s=(0.0, chaser.available_s[1]))
         for chaser in chasers
@@ -219,13 +219,13 @@ def _first(instance: Instance, count: int) -> Instance:
 
 
 def _least_of_target(instance: Instance, chaser: Chaser, prices: CampaignPrices) -> float:
-    """The least that one more target costs [euros]."""
+    """Least cost of one more target [euros]."""
     if not all(target.service.takes_kit for target in instance.targets):
         return 0.0
     return prices.per_kit + chaser.priced.per_kg * chaser.kit_mass_kg
 
 
 def _most_targets(chaser: Chaser) -> float:
-    """The most targets that a chaser can service, as far as its limits say, if all take kits."""
+    """Largest number of targets that a chaser's limits allow, if all take kits."""
     limits = [limit for limit in (chaser.kits, chaser.max_targets) if limit is not None]
     return min(limits, default=math.inf)

@@ -1,4 +1,4 @@
-"""Prizes of a design's targets: floors that add up, to plan, and worths alone, to bound."""
+"""Prizes of a design's targets: additive floors for planning, and worths alone for bounds."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ...sources.worth import SetWorths
 
 @dataclass(frozen=True)
 class Rating:
-    """What sets of an instance's targets are worth.
+    """Worths of sets of an instance's targets.
 
     Without worths of sets, the prizes of the instance, which add up as they are.
 
@@ -38,7 +38,7 @@ class Rating:
 
     @property
     def step(self) -> float:
-        """What prizes of planned instances are multiples of, in the unit."""
+        """Common step of the prizes of planned instances, in the unit of worths."""
         return 1.0 if self.worths is None else self.worths.prize_unit
 
     @property
@@ -73,7 +73,7 @@ class Rating:
         return math.fsum(floors[name] for name in chosen)
 
     def worth_of(self, instance: Instance, chosen: Iterable[str]) -> float:
-        """What removing some targets as a set avoids."""
+        """Worth of removing some targets as a set."""
         if self.worths is None:
             return self.floor_of(instance, chosen)
         return self.worths.of_set(chosen)
@@ -84,11 +84,11 @@ FOLLOWS = Follower(
     (FIRST | CAMPAIGNS | MODELLED | TOURS | {"functions of time", "capture windows"})
     - {"prizes that fall"},
 )
-"""Designs are compared by worths of one time."""
+"""Rules followed by designs, which compare worths at one time."""
 
 
 def rating_of(instance: Instance, worths: SetWorths | None) -> tuple[Instance, Rating]:
-    """The instance without targets whose worth is not known, and the rating of the others.
+    """The instance without targets of unknown worth, and the rating of the others.
 
     Raises
     ------

@@ -64,19 +64,19 @@ class DesignPoint(Shown):
 
     @property
     def gap(self) -> float:
-        """(bound − worth) / bound; 0 where nothing can be avoided, +inf without a bound."""
+        """(bound − worth) / bound; 0 if nothing can be avoided, +inf without a bound."""
         if not math.isfinite(self.bound):
             return math.inf
         return (self.bound - self.worth) / self.bound if self.bound > 0.0 else 0.0
 
     @property
     def proven(self) -> bool:
-        """Whether no plan avoids more."""
+        """Whether it is proven that no plan avoids more."""
         return meets(self.worth, self.bound)
 
     @property
     def per_million(self) -> float:
-        """What is avoided for each million euros; NaN for nothing spent."""
+        """Worth avoided per million euros; NaN if nothing is spent."""
         return self.worth / self.euros * 1e6 if self.euros > 0.0 else math.nan
 
     def to_dict(self) -> dict[str, Any]:
@@ -99,7 +99,7 @@ class DesignPoint(Shown):
 
 
 def pareto_front(points: Sequence[DesignPoint]) -> tuple[int, ...]:
-    """Numbers of the points that no other one beats in both worth and euros, cheapest first.
+    """Numbers of the points that no other dominates in worth and cost, cheapest first.
 
     Of points with equal worth and euros the first stays; those without a plan are left out.
     """

@@ -31,7 +31,7 @@ from .work import DesignWork, targets_of
 
 @dataclass(frozen=True)
 class _Cut:
-    """A shorter route of one chaser, with what that saves and loses."""
+    """A shorter route of one chaser, with its saving and its loss of worth."""
 
     chaser: str
     legs: Legs
@@ -42,7 +42,7 @@ class _Cut:
 def cut_to_budget(
     instance: Instance, plan: Plan, prices: CampaignPrices, rating: Rating, budget: float
 ) -> dict[str, tuple[str, ...]] | None:
-    """Orders of a plan without what is beyond a budget; None if nothing is left of them.
+    """Orders of a plan cut down to a budget; None if nothing is left.
 
     The cut that loses the least for each euro is made first, or else the one that loses the least;
     the better outcome of both counts. The beginning of a route can be flown
@@ -152,7 +152,7 @@ def _cuts(
 
 
 def _without_last_target(instance: Instance, legs: Legs) -> Legs:
-    """The legs before the last target, without stations that follow nothing then."""
+    """The legs before the last target, without stations that would then be superfluous."""
     rest = list(legs)
     while rest and rest[-1][0] in instance.station_names:
         rest.pop()
@@ -198,7 +198,7 @@ def run_design(work: DesignWork, design: Design, place: Place) -> DesignPoint:
 def _found(
     work: DesignWork, instance: Instance, allowed: Spending, place: Place
 ) -> tuple[Problem, list[Plan], float]:
-    """The problem of an instance, plans of it whatever they cost, and the bound."""
+    """The problem of an instance, its plans regardless of budget, and the bound."""
     rating = work.rating
     tables = Reused()
     problem = tables.problem(instance)
@@ -230,7 +230,7 @@ def _solved(work: DesignWork, problem: Problem, known: Plan | None, place: Place
 
 
 def _within(work: DesignWork, problem: Problem, plan: Plan, budget: float) -> Plan | None:
-    """A plan of the problem's instance with the orders of another, within a budget."""
+    """A plan of the problem with the orders of another plan, within a budget."""
     instance = problem.instance
     if work.prices.of_plan(instance, plan) > budget:
         orders = cut_to_budget(instance, plan, work.prices, work.rating, budget)

@@ -1,4 +1,4 @@
-"""A study of designs: all points of some axes, run on one core or several, or gone on with.
+"""A study of designs: all points of some axes, run on one core or several, and resumable.
 
 Designs say something of each other: plans that others can fly as well, bounds that hold for less.
 """
@@ -30,13 +30,13 @@ from .run import run_design
 from .work import DesignWork, to_json
 
 TRIES = 3
-"""Most plans of other designs that are tried for one design, the best first."""
+"""Maximum number of other designs' plans tried for one design, the best first."""
 
 INCLUDING = ("launches", "kits", "budget")
 """Kinds of which a larger value allows all plans of a smaller one."""
 
 SURELY = 1e-9
-"""Relative difference between worths that counts."""
+"""Relative difference above which worths count as different."""
 
 
 def with_neighbours(work: DesignWork, points: Sequence[DesignPoint]) -> list[DesignPoint]:
@@ -57,7 +57,7 @@ def with_neighbours(work: DesignWork, points: Sequence[DesignPoint]) -> list[Des
 
 
 def includes(larger: DesignPoint, smaller: DesignPoint) -> bool:
-    """Whether every plan of one design is one of another by what is varied; so of itself."""
+    """Whether every plan of one design is a plan of another, judged by the varied limits."""
     values, others = dict(larger.design.values), dict(smaller.design.values)
     return all(
         value == others[kind] or (kind in INCLUDING and value > others[kind])
@@ -96,7 +96,7 @@ def _is_near(one: Design, other: Design) -> bool:
 def _flown(
     work: DesignWork, point: DesignPoint, orders: Mapping[str, tuple[str, ...]]
 ) -> DesignPoint | None:
-    """A point with the orders of another design; None if it cannot fly or pay them."""
+    """A point with the orders of another design; None if it cannot fly or afford them."""
     instance = point.instance
     if not orders.keys() <= {chaser.name for chaser in instance.chasers}:
         return None
@@ -115,7 +115,7 @@ FROM_THE_INSTANCE = CampaignPrices()
 """No prices but the expense of chasers."""
 
 Told = Callable[[DesignPoint, int, int], None]
-"""Called with a finished point, the number of finished ones, and that of all."""
+"""Called with a finished point, the number of finished points, and the total."""
 
 
 def design_study(  # noqa: PLR0913

@@ -1,4 +1,4 @@
-"""What all designs of a study have in common, the point that a plan of one makes, and its row.
+"""Common data of a study's designs, the point of a design's plan, and its row.
 
 Plans of a file are checked when they are read, and what they avoid and cost is worked out anew; of
 a row only its plan and its bound count.
@@ -23,7 +23,7 @@ from .rating import Rating
 from .results import DesignPoint
 
 ROUNDED = 1e-9
-"""Relative excess of a worth over its bound that sums of floats may cause."""
+"""Relative excess of a worth over its bound that rounding may cause."""
 
 
 class BrokenBound(RuntimeError):
@@ -54,7 +54,7 @@ class DesignWork:
     seed: int
 
     def priced(self, design: Design) -> Instance:
-        """The instance of a design with its costs, whatever its budget.
+        """The instance of a design with its prices, before its budget.
 
         Raises
         ------
@@ -64,7 +64,7 @@ class DesignWork:
         return self.prices.applied(designed(self.instance, design))
 
     def spending(self, design: Design) -> Spending | None:
-        """What the budget of a design allows; None if no launch."""
+        """The restrictions by a design's budget; None if it allows no launch."""
         made = self.priced(design)
         budget = design.value("budget")
         if budget is None:
@@ -119,7 +119,7 @@ class DesignWork:
 
     @property
     def of(self) -> dict[str, Any]:
-        """What rows depend on besides the design, as JSON data."""
+        """Everything besides the design on which rows depend, as JSON data."""
         worths = self.rating.worths
         return {
             "instance": self.instance.sha256,
@@ -145,7 +145,7 @@ class DesignWork:
         times = row["runtime_s"], row["cpu_s"]
         for number in (bound, *times):
             if not isinstance(number, (int, float)) or not float(number) >= 0.0:
-                raise ValueError("no number of a row")
+                raise ValueError("a field of the row is not a number")
         try:
             point = self.point(design, instance, plan, bound, *times)
         except BrokenBound:

@@ -1,4 +1,4 @@
-"""Disposal: what becomes of the objects and the chasers of a plan, as a licence asks."""
+"""Disposal: fates of a plan's objects and chasers, and compliance with licence rules."""
 
 from .casualties import Debris, casualty_area_m2, density_per_km2
 from .fates import Fate, fates

@@ -27,15 +27,15 @@ MILLIONS = (0, 0, 0, 1, 5, 91, 206, 191, 530, 702, 1226, 1700, 1824, 742, 376, 1
 """People from the South Pole to the North Pole, by bands [millions]."""
 
 PERSON_M2 = 0.36
-"""Cross-section of a person, as in both standards."""
+"""Cross-section of a person, as in NASA's and ESA's standards [m²]."""
 
 PLACES = 3600
-"""Arguments of latitude over which a revolution is averaged."""
+"""Number of arguments of latitude over which a revolution is averaged."""
 
 
 @dataclass(frozen=True)
 class Debris:
-    """What is assumed of what survives a re-entry.
+    """Assumptions on the debris that survives a re-entry.
 
     The defaults are those of one case that was studied: of the Upper Atmosphere Research Satellite
     (5,668 kg) 26 pieces of 532 kg in all were to reach the ground, with a casualty area of 22 m²
@@ -85,7 +85,7 @@ def density_per_km2(latitudes_deg: Array) -> float:
 
 
 def density_below(inclination_deg: float) -> float:
-    """The same below a circular orbit, with equal times at all arguments of latitude."""
+    """Mean number of people per square kilometre below a circular orbit."""
     turns = (np.arange(PLACES) + 0.5) * (math.tau / PLACES)
     sines = math.sin(math.radians(inclination_deg)) * np.sin(turns)
     return density_per_km2(np.degrees(np.arcsin(sines)))

@@ -1,4 +1,4 @@
-"""What becomes of every object that a plan releases, and of every chaser.
+"""Fates of all objects that a plan releases, and of all chasers.
 
 Orbits at release are those of the plan. Lifetimes are those of the decay model at constant solar
 activity, low, mean and high: their spread is that of the Sun. A chaser is disposed of after its
@@ -35,15 +35,15 @@ YEARS = 25.0
 """Longest lifetime where a mission states none."""
 
 MOST_CASUALTIES = 1e-4
-"""Casualty expectation of a re-entry from which it has to be controlled (NASA-STD-8719.14)."""
+"""Casualty expectation above which a re-entry has to be controlled (NASA-STD-8719.14)."""
 
 LOWEST_M, CLOSE_M = 130e3, 100.0
-"""Perigee below which no lifetime is asked for, and how closely perigees are found."""
+"""Perigee below which lifetimes are not computed, and tolerance of perigees [m]."""
 
 
 @dataclass(frozen=True)
 class Fate:
-    """What becomes of one object or chaser.
+    """The fate of one object or chaser.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class Fate:
         return not self.broken
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON data."""
+        """The fate as JSON data."""
         return asdict(self) | {"meets": self.meets}
 
 
@@ -118,7 +118,7 @@ def fates(
     debris: Debris | None = None,
     kit_isp_s: float = 220.0,
 ) -> tuple[Fate, ...]:
-    """What becomes of all that a plan releases, and of its chasers, in the order of the plan.
+    """Fates of all objects that a plan releases, and of its chasers, in the order of the plan.
 
     Parameters
     ----------
@@ -153,7 +153,10 @@ def fates(
             f"most_uncontrolled_kg = {most_uncontrolled_kg:g}: must be a mass of at least 0"
         )
     if not instance.has_orbits or instance.given is not None:
-        raise InputError(f"{instance.name!r} has given connections: its orbits are not known")
+        raise InputError(
+            f"{instance.name!r} has given connections, so that its orbits are unknown; use an "
+            "instance with the model's"
+        )
     judge = _Rules(instance, years, most_uncontrolled_kg, debris or Debris(), kit_isp_s)
     return tuple(
         fate
@@ -165,7 +168,7 @@ def fates(
 
 @dataclass(frozen=True)
 class _Left:
-    """Something on the orbit that it is left on, before its last burn.
+    """An object or chaser on the orbit where it is left, before its last burn.
 
     ``before`` is the state at that burn, ``burn`` nothing where none is needed, and ``more_m_s``
     what a second one takes, on to a circle.
@@ -188,7 +191,7 @@ class _Rules:
     kit_isp_s: float
 
     def released(self, route: Flown) -> Iterator[Fate]:
-        """Fates of what a chaser releases."""
+        """Fates of the objects that a chaser releases."""
         instance = self.instance
         shells = shells_of(instance, drive_of(route.chaser, instance.targets))
         stages = route.aboard(instance)[1:]
@@ -223,7 +226,7 @@ class _Rules:
             yield fate
 
     def _left_by(self, leg: Leg, target: Target, shell: tuple[float, float]) -> _Left:
-        """Where a tow or a kit leaves an object."""
+        """Orbit on which a tow or a kit leaves an object."""
         tow = leg.tow
         if tow is not None and tow.burns:
             docked = tuple(burn for burn in tow.burns if burn.phase != "return")
@@ -290,7 +293,7 @@ class _Rules:
         return state, last.done_s
 
     def _perigees(self, aims: bool, perigee: float, apogee: float) -> Iterator[float]:
-        """Radii that a chaser may lower its perigee to, the dearer ones last [m].
+        """Radii of perigee for a chaser's disposal, the more expensive ones last [m].
 
         Where it is; the highest with which it keeps to the longest lifetime, on a circle where it
         cannot aim; and that of a controlled re-entry.
@@ -357,7 +360,7 @@ class _Rules:
         )
 
     def _casualties(self, area_m2: float, tilt_deg: float, aimed: Reentry | None) -> float:
-        """People expected to be hit: anywhere below the orbit, or where it is aimed at."""
+        """Casualty expectation: anywhere below the orbit, or along the track aimed at."""
         anywhere = 1e-6 * area_m2 * density_below(tilt_deg)
         if aimed is None:
             return anywhere

@@ -1,4 +1,4 @@
-"""A controlled re-entry as it is flown: where a burn leads, and what lies below."""
+"""A controlled re-entry as flown: its trajectory after a burn, and its ground track."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from ...problem.sun import greenwich
 from .casualties import Array
 
 ENTRY_M = 120e3
-"""Height at which air begins to brake."""
+"""Height at which the atmosphere begins to brake [m]."""
 
 STEP_S = 20.0
-"""Distance of places on the track."""
+"""Spacing of points on the ground track [m]."""
 
 BURN_ERROR = 0.01
-"""Share by which the burn may be off, for the corridor."""
+"""Relative error of the burn that sets the length of the corridor."""
 
 HALF_WIDTH_M = 100e3
-"""Half of the width of the corridor, for wind and the spread of debris across the track."""
+"""Half width of the corridor, for wind and the cross-track spread of debris [m]."""
 
 _NO_MATRIX = np.empty((0, 0))
 
 
 @dataclass(frozen=True)
 class Reentry:
-    """A burn after which an object re-enters at once, without air.
+    """A burn after which an object re-enters within a revolution, drag neglected.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ def lowering(state: Array, perigee_m: float) -> Array:
 
 
 def reentry(instance: Instance, burn_s: float, before: Array, burn: Array) -> Reentry | None:
-    """The re-entry after a burn; None where there is none within a revolution.
+    """The re-entry after a burn; None if there is none within a revolution.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Bounds on every policy: clairvoyants of drawn worlds, with penalties for their luck.
+"""Bounds on every policy: clairvoyant optima of drawn worlds, with information penalties.
 
 Perfect information and penalties: Brown, Smith, Sun, Operations Research 58(4), 2010. See
 docs/model.md section 13.
@@ -45,7 +45,7 @@ METHOD = "exact"
 TIME_LIMIT_S = 20.0
 
 LEAST_S = 0.1
-"""Least limit of a proof after the search for a plan to begin with [s]."""
+"""Least time limit of a proof after the search for a start plan [s]."""
 
 CONFIDENT = 1.959964
 """Half width of a 95 % confidence interval in standard errors."""
@@ -54,7 +54,7 @@ Told = Callable[[int, int], None]
 
 
 class BoundSetting(NamedTuple):
-    """What all bounds have in common.
+    """Common settings of all bounds.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class BoundSetting(NamedTuple):
     per_day: float = 0.0
 
     def study(self) -> Study[int, WorldBounds]:
-        """The study of which bounds are rows, by the seeds of worlds.
+        """The study whose rows are bounds, by the seeds of worlds.
 
         They depend on the time of proofs, too, but whatever is proven by then is valid.
         """
@@ -89,7 +89,7 @@ class BoundSetting(NamedTuple):
 
 
 class _Proofs(InProcess[BoundSetting]):
-    """Bounds of one process, with what they share."""
+    """Bounds computed in one process, with their shared data."""
 
     def row(self, seed: int, place: Place) -> WorldBounds:
         """The bounds of the world of a seed."""
@@ -153,7 +153,7 @@ class Bounds:
         }
 
     def gaps(self, made: Rehearsals) -> dict[str, Any]:
-        """Gaps of a policy to both bounds, over the worlds that it was rehearsed in.
+        """Gaps of a policy to both bounds, over the worlds of its rehearsals.
 
         The gap to the penalised bound compares what tries are worth on average, which has the
         mean of the prize and less variance.
@@ -254,7 +254,7 @@ def bounds(  # noqa: PLR0913
 
 
 def check_bounds(setting: BoundSetting, path: str | os.PathLike[str] | None) -> None:
-    """Refuse, before any work, what cannot be bounded, or a file that cannot be gone on with.
+    """Refuse, before any work, a mission that cannot be bounded or a file that cannot be resumed.
 
     Parameters
     ----------
@@ -276,7 +276,7 @@ def check_bounds(setting: BoundSetting, path: str | os.PathLike[str] | None) -> 
 
 
 def _check_price(setting: BoundSetting) -> None:
-    """Refuse a price of time that is none, or that is not a valid penalty.
+    """Refuse a price of time that is negative or not a valid penalty.
 
     Raises
     ------
@@ -302,14 +302,14 @@ def has_captures(instance: Instance, uncertainty: Uncertainty) -> bool:
 
 
 def has_penalties(setting: BoundSetting) -> bool:
-    """Whether penalties take anything out of what a clairvoyant collects."""
+    """Whether penalties reduce the clairvoyant's prize at all."""
     instance, uncertainty = setting.instance, setting.uncertainty
     is_uncertain = any(takes_uncertain_time(uncertainty, each.name) for each in instance.targets)
     return has_captures(instance, uncertainty) or (setting.per_day > 0.0 and is_uncertain)
 
 
 def _start(problem: Problem, setting: BoundSetting) -> list[str] | None:
-    """A plan of a beam for a bound of one chaser that can use one and searches for none itself."""
+    """A start plan by beam search, for bounds of one chaser that accept one but do not search."""
     starts = spec_of(setting.method, BOUNDS).starts
     if setting.method == METHOD or not starts or problem.alone is None:
         return None

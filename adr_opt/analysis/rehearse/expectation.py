@@ -1,4 +1,4 @@
-"""What policies that plan expect of an uncertain mission: mean prizes, and a reserve of ΔV."""
+"""Expectations of planning policies about an uncertain mission: mean prizes, reserves of ΔV."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from .service_delays import mean_delays_s
 from .tries import mean_worths, with_worths
 
 CAUTION = 2.5
-"""Reserve of a tank, in standard deviations of what its legs take."""
+"""Reserve of a tank, in standard deviations of its legs' ΔV."""
 
 
 class Expectation:
-    """The uncertainty of a mission as a planner of what is left takes it into account.
+    """The uncertainty of a mission, as taken into account when its rest is planned.
 
     Prizes are what going to a target is worth on average, and services take as long as stays at
     targets do on average; tanks in ΔV that will be filled again keep a reserve for what their legs
@@ -48,7 +48,7 @@ class Expectation:
 
     @property
     def differs(self) -> bool:
-        """Whether more is to be expected than what is planned."""
+        """Whether expected costs, times or prizes differ from planned ones."""
         return self.reserve_m_s > 0.0 or bool(self._worths) or self.time_share != 1.0
 
     @property
@@ -57,7 +57,7 @@ class Expectation:
         return self.reserve_m_s > 0.0 or self.time_share > 1.0
 
     def expected(self, instance: Instance, *, cautious: bool) -> Instance:
-        """What is left of the mission, as it is to be expected.
+        """The rest of the mission with expected prizes, times and reserves.
 
         Parameters
         ----------
@@ -83,7 +83,7 @@ class Expectation:
         return 0.0  # nothing comes after this tank that could be lost
 
     def _careful(self, chaser: Chaser) -> Chaser:
-        """The chaser with a reserve in its tank, if that is one in ΔV."""
+        """The chaser with a reserve in its tank, if the tank is given in ΔV."""
         tank = chaser.tank
         if not isinstance(tank, Tank) or tank.delta_v_m_s <= self.reserve_m_s:
             return chaser
@@ -100,7 +100,7 @@ class Expectation:
         return 0.0 if model is None else model.lognormal_sigma
 
     def _reserve(self, intended: Intended) -> float:
-        """Reserve of a full tank: as much as half of the planned tanks need that are refilled."""
+        """Reserve of a full tank: the median need of the planned tanks that are refilled."""
         needed = []
         for route in intended.routes:
             squares = 0.0
@@ -113,7 +113,7 @@ class Expectation:
 
 
 def _time_share(facts: MissionFacts, uncertainty: Uncertainty) -> float:
-    """Mean time at a target as a multiple of what is planned; 1 where objects are towed.
+    """Mean time at a target as a multiple of the planned time; 1 if objects are towed.
 
     One that has still to be towed has a window for just its service. Stays that are shorter on
     average count as planned, since a leg may only begin if its planned service ends in time.
@@ -126,7 +126,7 @@ def _time_share(facts: MissionFacts, uncertainty: Uncertainty) -> float:
 
 
 def _slower(instance: Instance, share: float) -> Instance:
-    """The instance with services that take a multiple of their time."""
+    """The instance with services that take a multiple of their planned time."""
     mission = instance.mission
     if share == 1.0:
         return instance

@@ -29,14 +29,14 @@ from .tries import TryWorths
 
 
 class Halt(NamedTuple):
-    """A decision to fly no further, and why."""
+    """A decision to fly no further, with the reason."""
 
     reason: str
 
 
 @dataclass
 class Situation:
-    """What a policy knows when a chaser is free.
+    """The state that a policy sees when a chaser is free.
 
     Attributes
     ----------
@@ -56,17 +56,17 @@ class Situation:
 
 
 class MissionPolicy(Protocol):
-    """Decides what a chaser does when it is free; made anew for each rehearsal."""
+    """Interface of policies, which decide what a free chaser does; one object per rehearsal."""
 
     def next_leg(self, now: Situation) -> Hop | Halt:
-        """The next leg of ``now.craft``; a refused one ends its route.
+        """The next leg of ``now.craft``; a leg that is refused ends the chaser's route.
 
         Those are refused that :func:`.flying_chasers.refused` names.
         """
         ...
 
     def tries_again(self, now: Situation, target: int, tries: int) -> bool:
-        """Whether to try again at a target after some tries that failed."""
+        """Whether to try again at a target after some failed tries."""
         ...
 
 
@@ -119,7 +119,7 @@ def rehearsed(
 def flown_on(
     now: Situation, world: DrawnWorld, policy: MissionPolicy, worths: TryWorths
 ) -> FlownMission:
-    """Fly what is left of a mission in a world, from what a policy knows of it.
+    """Fly the rest of a mission in a world, from a state that a policy sees.
 
     Legs under way go as planned.
 
@@ -144,7 +144,7 @@ def flown_on(
 
 
 class _Rehearsal:
-    """A mission while it is flown."""
+    """The state of a rehearsal in progress."""
 
     def __init__(
         self,
@@ -163,7 +163,7 @@ class _Rehearsal:
         self._flown = FlownMission(chasers)
 
     def flown(self) -> FlownMission:
-        """Fly on until no chaser does."""
+        """Fly until no chaser continues."""
         while True:
             free = [craft for craft in self._chasers if not craft.ended]
             if not free:
@@ -213,7 +213,7 @@ class _Rehearsal:
         return craft.ended == DRY and bool(craft.made) and craft.made[-1].end_s > time
 
     def _fly(self, now: Situation, craft: FlyingChaser, hop: Hop) -> None:
-        """Fly a leg, and stay at its end as the world has it."""
+        """Fly a leg with the cost and the stay that the world draws."""
         facts, world, j = self._facts, self._world, hop.destination
         what, kind = facts.chasers[craft.chaser], leg_kinds()[hop.family].name
         origin, ready = craft.body, craft.free_s

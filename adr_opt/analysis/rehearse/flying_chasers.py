@@ -1,4 +1,4 @@
-"""Chasers in a rehearsal: where they are, what they have, and what they have flown."""
+"""Chasers in a rehearsal: their position, resources and flown legs."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ...problem.world import OUTCOMES
 from .mission_facts import ChaserLimits, Hop, MissionFacts
 
 SERVICED, REFUELLED, FAILED, GONE, LATE, DRY = OUTCOMES
-"""What comes of a leg: the last four are losses."""
+"""Outcomes of a leg; the last four are losses."""
 
 FINISHED = "finished"
-"""Why a chaser flies no more that has done what was planned."""
+"""Reason of a chaser that has completed its plan."""
 
 
 class Made(NamedTuple):
-    """A leg as it was flown, with the stay after it.
+    """A leg as flown, with the stay after it.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class FlyingChaser:
     ended: str = ""
 
     def copied(self) -> FlyingChaser:
-        """A copy that shares nothing that changes."""
+        """A copy that shares no mutable data."""
         return replace(self, refuellings=dict(self.refuellings), made=list(self.made))
 
 
@@ -127,7 +127,7 @@ def full_of(what: ChaserLimits, kits: int) -> float:
 
 
 def refused(facts: MissionFacts, craft: FlyingChaser, hop: Hop) -> str:
-    """Why a leg may not begin, by what is planned of it; empty if it may.
+    """Why a leg may not begin, judged by its planned values; empty if it may.
 
     ``delta-v``: the tank does not hold what it is planned to take, or what follows; ``duration``:
     its service would end late; ``late``: it departs before the chaser is free; ``capacity``: no

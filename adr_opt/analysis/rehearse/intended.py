@@ -18,14 +18,14 @@ from .mission_facts import ChaserLimits, Hop, MissionFacts
 
 
 class PlannedHop(NamedTuple):
-    """A planned leg, with where it begins."""
+    """A planned leg, with its start."""
 
     origin: int
     towed: bool
     hop: Hop
 
     def departs(self, free_s: float) -> bool:
-        """Whether a chaser that is free at a time can fly it."""
+        """Whether a chaser that is free at a time can fly the leg."""
         return self.hop.departure >= free_s - SLACK_S
 
 
@@ -34,7 +34,7 @@ Route = tuple[PlannedHop, ...]
 
 @dataclass(frozen=True)
 class Intended:
-    """What is planned for each chaser, in the order of the instance.
+    """Planned legs of each chaser, in the order of the instance.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ def intended(facts: MissionFacts, plan: Plan) -> Intended:
     if plan.instance.sha256 != instance.sha256:
         raise InputError("the plan belongs to another instance; give the one it was made for")
     if plan.has_former_drifts:
-        raise InputError("the plan has drift legs of a former model; plan anew first")
+        raise InputError("the plan has drift legs of a former model; plan again")
     flown = {each.chaser.name: each for each in routes_of(instance, plan)}
     routes, kits = list[Route](), list[int]()
     for what in facts.chasers:
@@ -78,7 +78,7 @@ def intended(facts: MissionFacts, plan: Plan) -> Intended:
 
 
 def _aboard(what: ChaserLimits, chaser: Chaser, planned: int) -> int:
-    """Kits aboard: those of the plan, or as many as there may be where they weigh nothing."""
+    """Kits aboard: those of the plan, or the maximum if they weigh nothing."""
     most = int(most_kits(what.loads))
     return min(planned, most) if chaser.kit_mass_kg > 0.0 else most
 

@@ -1,4 +1,4 @@
-"""A world as a deterministic mission: what a clairvoyant plans (docs/model.md section 13).
+"""A world as the deterministic mission of a clairvoyant (docs/model.md section 13).
 
 A target with several tries is two bodies where the first try fails: one at which the chaser goes on
 to the end, and one at which it gives up. Each relaxation is in favour of the clairvoyant, so that a
@@ -40,11 +40,11 @@ from .tries import rounded_up
 from .worths import Worth
 
 GIVEN_UP = " (given up{})"
-"""Added to the name of a target for the body at which a chaser gives up, with a number if need."""
+"""Suffix of a target's name for the body at which a chaser gives up, numbered if necessary."""
 
 
 def refuse_bounds(instance: Instance, uncertainty: Uncertainty) -> None:
-    """Refuse what cannot be bounded.
+    """Refuse an instance or uncertainty whose policies cannot be bounded.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def known_problem(facts: MissionFacts, world: DrawnWorld, worth: Worth) -> Probl
 
 
 def _suffix(instance: Instance) -> str:
-    """What is added to names, such that no name comes to stand for two bodies."""
+    """A suffix for names that makes no name ambiguous."""
     names = (*instance.names, *(chaser.name for chaser in instance.chasers))
     suffixes = (GIVEN_UP.format(f", {number}" if number else "") for number in count())
     return next(each for each in suffixes if not any(name.endswith(each) for name in names))
@@ -171,7 +171,7 @@ def _known_chaser(
 
 
 def _known_tank(facts: MissionFacts, world: DrawnWorld, chaser: Chaser) -> AnyTank:
-    """The tank at the best of its fillings."""
+    """The tank with the largest of its drawn usable shares."""
     if world.uncertainty.tanks is None:
         return chaser.tank
     fillings = range(1, 2 + (most_refuellings(facts) if facts.stations else 0))

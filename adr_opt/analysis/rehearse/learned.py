@@ -1,4 +1,4 @@
-"""The learned policy: keeps to the plan where that can be flown, else scores the next legs."""
+"""The learned policy: follows the plan where it can be flown, else scores the next legs."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .replanning import AtDeviations
 from .visible_legs import Seen, VisibleLegs
 
 PLANNED, PLANNED_DECAY = 2.0, 0.7
-"""What a score gains where a leg is the next that is planned, and the share of that of each later
-one; targets that others plan to go to lose as much, required ones gain it."""
+"""Bonus on the score of the next planned leg, and its decay for each later one; targets that other
+chasers plan to visit lose the bonus, required ones gain it."""
 
 
 class Learned(AtDeviations):
-    """Keeps to the plan as `replan` does, and chooses the next leg by the learned policy otherwise.
+    """Follows the plan as `replan` does, and otherwise chooses the next leg by the learned policy.
 
     No plan is made in flight: the policy sees the connections of the present body at the present
     time, and what may come of the legs. A chaser does not go where it could no longer refuel,
@@ -53,7 +53,7 @@ class Learned(AtDeviations):
         self._visible = visible_legs_of(facts, uncertainty)
 
     def next_leg(self, now: Situation) -> Hop | Halt:
-        """The planned leg, or the one that scores best among those that may begin."""
+        """The planned leg, or the one with the best score among those that may begin."""
         craft = now.craft
         self._pass_what_is_done(now)
         route = self._routes[craft.chaser]
@@ -68,11 +68,11 @@ class Learned(AtDeviations):
         return hop
 
     def _is_prudent(self, craft: FlyingChaser, hop: Hop) -> bool:
-        """Whether a planned leg leaves a way to refuel, where its service may be late."""
+        """Whether a planned leg leaves a way to refuel even if its service is late."""
         return self._visible.late_s[hop.destination] == 0.0 or self._is_guarded(craft, hop)
 
     def _pass_what_is_done(self, now: Situation) -> None:
-        """Drop planned legs to targets that are closed, and to stations that are of no use now."""
+        """Drop planned legs to closed targets and to stations that are of no use now."""
         craft, stations = now.craft, self._facts.stations
         route = self._routes[craft.chaser]
         while route:
@@ -83,7 +83,7 @@ class Learned(AtDeviations):
             route.pop(0)
 
     def _best_scored(self, now: Situation) -> Hop | None:
-        """The leg of the largest score that may begin and leaves a way to refuel, if one does."""
+        """The best-scored leg that may begin and, if any does, leaves a way to refuel."""
         facts, craft, visible = self._facts, now.craft, self._visible
         route = self._routes[craft.chaser]
         planned = [each.hop.destination for each in route]
@@ -117,7 +117,7 @@ class Learned(AtDeviations):
     def _scored(
         self, seen: Seen, planned: list[int], planned_by_others: set[int]
     ) -> npt.NDArray[np.float32]:
-        """Scores of legs: those of the policy, and what plans and required targets add."""
+        """Scores of legs: those of the policy, with bonuses for plans and required targets."""
         scores = self._policy.scores(seen.moves, seen.mission)[0]
         gain = np.zeros(len(self._facts.names), dtype=np.float32)
         gain[self._visible.required] = PLANNED
@@ -128,7 +128,7 @@ class Learned(AtDeviations):
         return scored
 
     def _is_guarded(self, craft: FlyingChaser, hop: Hop) -> bool:
-        """Whether a leg leaves a way to refuel, also if it is dear and the service long."""
+        """Whether a leg leaves a way to refuel even if it is expensive and its service long."""
         facts, j = self._facts, hop.destination
         if j < facts.stations or not facts.stations:
             return True
@@ -142,7 +142,7 @@ class Learned(AtDeviations):
 
 
 def visible_legs_of(facts: MissionFacts, uncertainty: Uncertainty) -> VisibleLegs:
-    """What policies see of a mission, which its rehearsals share."""
+    """The legs visible to policies in a mission, shared by its rehearsals."""
     known = facts.visible_legs
     if known is None or known[0] is not uncertainty:
         known = facts.visible_legs = uncertainty, VisibleLegs(facts, uncertainty)

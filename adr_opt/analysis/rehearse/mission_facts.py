@@ -1,4 +1,4 @@
-"""Connections and limits of an instance, as rehearsals look at them."""
+"""Connections and limits of an instance, as used by rehearsals."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ...problem.uncertainty import LognormalFactor, Uncertainty
 FloatArray = npt.NDArray[np.float64]
 
 MATCH_S = 1e-3
-"""Tolerance of arrivals when a leg of a plan is looked for among connections [s]."""
+"""Tolerance of arrivals when a plan's leg is matched with connections [s]."""
 
 
 class Hop(NamedTuple):
@@ -103,11 +103,11 @@ FOLLOWS = Follower(
     - SUPPLIES
     - {"low thrust", "prizes that fall", "launches into orbits"},
 )
-"""What rehearsals follow."""
+"""Rules that rehearsals follow."""
 
 PROMISED = Follower("plans with a confidence", FOLLOWS.follows - {"capture windows"})
-"""What robust plans follow, and those of the largest expected prize: of stays with several windows
-it is not known how likely they end in time."""
+"""Rules followed by robust plans and plans for the expected prize; with several windows, the chance
+that a stay ends in time is unknown."""
 
 
 class MissionFacts:
@@ -211,13 +211,13 @@ class MissionFacts:
         return self._rows[key]
 
     def best(self, i: int, j: int, ready_s: float, *, towed: bool) -> Hop | None:
-        """The connection that a chaser takes that is ready: best by the value of time."""
+        """The connection that a ready chaser takes: the best by the value of time."""
         rows = self.rows(i, j, towed=towed)
         first = int(np.searchsorted(rows.departure, ready_s - SLACK_S))
         return None if first == rows.best.size else hop_of(j, rows, int(rows.best[first]))
 
     def of_leg(self, leg: Leg, i: int, *, towed: bool) -> Hop:
-        """The connection that a leg of a plan flies; the leg itself where it is none of them.
+        """The connection that a plan's leg flies; the leg itself if none matches.
 
         That of a leg between times of a grid leaves earlier than the leg states.
         """

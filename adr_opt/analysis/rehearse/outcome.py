@@ -15,12 +15,12 @@ from .mission_facts import MissionFacts
 from .worlds import EXACT
 
 LEFT_OUT = "left-out"
-"""Reason of a planned target that the policy left out."""
+"""Reason of loss for a planned target that the policy left out."""
 
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """What came of a mission in one world.
+    """The outcome of a mission in one world.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Rehearsal:
 
     @property
     def as_planned(self) -> bool:
-        """Whether nothing was lost but to captures that failed and targets that were gone."""
+        """Whether nothing was lost except by failed captures and missing targets."""
         return all(reason in (FAILED, GONE) for reason in self.losses.values()) and not any(
             ran_dry for *_, ran_dry in self.tanks
         )
@@ -73,7 +73,7 @@ class Rehearsal:
 def outcome_of(
     facts: MissionFacts, intended: Intended, flown: FlownMission, seed: int, *, keeps: bool
 ) -> Rehearsal:
-    """The outcome of a flown mission, by a policy that keeps to the plan or does not."""
+    """The outcome of a flown mission, whether or not the policy follows the plan."""
     names, prizes = facts.names, facts.prizes
     serviced = set(flown.serviced)
     losses = dict[str, str]()
@@ -117,7 +117,7 @@ def outcome_of(
 
 
 def _tanks(facts: MissionFacts, flown: FlownMission) -> list[tuple[str, int, float, bool]]:
-    """Each tank of each chaser, with what was left of it at its end."""
+    """Each tank of each chaser, with the ΔV left at its end."""
     found = []
     for craft in flown.chasers:
         name, number = facts.chasers[craft.chaser].name, 1

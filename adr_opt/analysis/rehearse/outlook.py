@@ -1,4 +1,4 @@
-"""What planned routes are worth on average: followed in drawn worlds, from any moment on.
+"""Mean prizes of planned routes, followed in drawn worlds from any moment on.
 
 Routes are compared in the same worlds, so that what differs between them is the routes' doing and
 not the worlds' (docs/model.md section 13.5).
@@ -23,11 +23,11 @@ from .tries import TryWorths
 FloatArray = npt.NDArray[np.float64]
 
 WORLDS, FIRST_WORLD = 100, 2 * 10**9
-"""Number of worlds of a comparison, and the first of all, far from those of users."""
+"""Number of worlds in a comparison, and their first seed, far from those of users."""
 
 
 class Outlook:
-    """Expected prizes of routes that are followed, in worlds that no rehearsal meets.
+    """Expected prizes of followed routes, in worlds that no rehearsal uses.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Outlook:
     def worths(
         self, now: Situation, routes: Sequence[Sequence[PlannedHop]], worlds: range
     ) -> FloatArray:
-        """What following routes from now on collects in each world.
+        """Prizes collected in each world by following routes from now on.
 
         Parameters
         ----------
@@ -69,7 +69,7 @@ class Outlook:
         return self._each(worlds, intended, required, fly)
 
     def of_plan(self, planned: Intended, worlds: range) -> FloatArray:
-        """The same of a whole mission, from its beginning, shape (worlds,)."""
+        """Prizes collected in each world by following a whole plan, shape (worlds,)."""
 
         def fly(world: DrawnWorld, policy: Follow) -> FlownMission:
             return rehearsed(self._facts, world, policy, planned.kits)
@@ -77,7 +77,7 @@ class Outlook:
         return self._each(worlds, planned, self._facts.required, fly)
 
     def prizes(self, worths: FloatArray) -> FloatArray:
-        """The prizes alone of what routes are worth, shape (worlds,)."""
+        """Prizes of followed routes, without the bonus of required targets, shape (worlds,)."""
         met = worths >= self._of_required
         return worths - met * self._of_required
 
@@ -98,7 +98,7 @@ class Outlook:
 
 
 def is_better(worths: FloatArray, others: FloatArray) -> bool:
-    """Whether one is worth more in the same worlds, by more than the error of the mean."""
+    """Whether one exceeds another in the same worlds by more than the error of the mean."""
     gain = worths - others
     error = float(gain.std(ddof=1)) / math.sqrt(gain.size)
     return float(gain.mean()) > error

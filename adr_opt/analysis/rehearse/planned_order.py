@@ -1,4 +1,4 @@
-"""Policies that keep to a plan."""
+"""Policies that follow a plan."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .mission_facts import Hop, MissionFacts
 
 
 class Follow:
-    """Keeps to the plan: its connections, or the next ones where the chaser is late.
+    """Follows the plan: its connections, or the next ones if the chaser is late.
 
     A chaser that is late takes the best connection to the same body by the value of time. Its
     route ends before the first leg that it cannot pay or that would end too late.
@@ -35,12 +35,12 @@ class Follow:
         return Halt("duration") if found is None else found
 
     def tries_again(self, now: Situation, target: int, tries: int) -> bool:
-        """As often as it is allowed."""
+        """Tries again as often as allowed."""
         return True
 
 
 class Skip(Follow):
-    """Keeps to the plan, and leaves out what it cannot pay or reach in time."""
+    """Follows the plan, and leaves out targets that it cannot afford or reach in time."""
 
     def next_leg(self, now: Situation) -> Hop | Halt:
         """The leg to the first planned body that can still be visited."""
@@ -61,7 +61,7 @@ class Skip(Follow):
 
 
 def planned_hop(now: Situation, route: Sequence[PlannedHop], at: int) -> Hop | None:
-    """A planned leg if the chaser is where it begins and in time, else the best one there is."""
+    """A planned leg if the chaser is at its start in time, else the best connection."""
     craft, planned = now.craft, route[at]
     if craft.body == planned.origin and craft.towed == planned.towed:
         launches = now.facts.chasers[craft.chaser].is_launched and not craft.made

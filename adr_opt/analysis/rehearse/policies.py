@@ -34,11 +34,11 @@ BUILT_IN: Mapping[str, tuple[str, str]] = {
 """Module and class of each policy, imported on use."""
 
 NEED_PLAN = frozenset({"follow", "skip"})
-"""Policies that keep to a plan that is given."""
+"""Policies that follow a given plan."""
 
 
 def policy_of(name: str) -> PolicyMaker:
-    """The policy of a name.
+    """The policy with a name.
 
     Raises
     ------

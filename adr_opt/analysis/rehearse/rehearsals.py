@@ -84,7 +84,7 @@ class Rehearsals(Shown):
         }
 
     def _tanks(self) -> list[dict[str, Any]]:
-        """What is left of each tank at its end, of the rehearsals that fly from it."""
+        """ΔV left in each tank at its end, over the rehearsals that use it."""
         found: dict[tuple[str, int], list[tuple[float, bool]]] = {}
         for outcome in self.outcomes:
             for chaser, number, left, dry in outcome.tanks:

@@ -1,4 +1,4 @@
-"""Policies that plan what is left anew while a mission is flown.
+"""Policies that replan the rest of a mission in flight.
 
 A new plan is flown only if it is worth more than the one at hand, both followed in the same drawn
 worlds. By induction over the decisions, what is flown is then worth no less on average than to
@@ -49,18 +49,18 @@ SLIGHT_S = HOUR_S
 """Lateness below which a plan is kept [s]."""
 
 SLIGHT_SHARE = 0.01
-"""Share of a tank by which it may differ from the plan before what is left is planned anew."""
+"""Share of a tank by which it may differ from the plan before the rest is replanned."""
 
 TIME_LIMIT_S = 2.0
 """Limit of the wall time of a planner [s]."""
 
 
 Routes = list[list[PlannedHop]]
-"""Of each chaser, what is left of its plan."""
+"""The rest of each chaser's plan."""
 
 
 class AtEveryService:
-    """Plans the rest anew whenever a chaser is free, and keeps the better plan."""
+    """Replans the rest whenever a chaser is free, and keeps the better plan."""
 
     def __init__(
         self, facts: MissionFacts, intended: Intended, uncertainty: Uncertainty, seed: int = 0
@@ -75,7 +75,7 @@ class AtEveryService:
         ]
 
     def next_leg(self, now: Situation) -> Hop | Halt:
-        """The first leg of the plan of the rest."""
+        """The first leg of the new plan."""
         craft = now.craft
         if self._has_changed(now) or not self._routes[craft.chaser]:
             self._choose(now)
@@ -91,21 +91,21 @@ class AtEveryService:
         return hop
 
     def tries_again(self, now: Situation, target: int, tries: int) -> bool:
-        """As often as it is allowed."""
+        """Tries again as often as allowed."""
         return True
 
     def _has_changed(self, now: Situation) -> bool:
-        """Whether to plan anew: always, but where nothing is uncertain at the beginning."""
+        """Whether to replan: always, except at the start of a mission without uncertainty."""
         return bool(now.craft.made) or self._expectation.differs or self._differs(now.craft)
 
     def _differs(self, craft: FlyingChaser) -> bool:
-        """Whether the chaser is later, or has less or more, by more than a little."""
+        """Whether the chaser deviates in time or resources by more than a tolerance."""
         ahead, what = self._forecast[craft.chaser], self._facts.chasers[craft.chaser]
         differs = abs(craft.left - ahead.left) > SLIGHT_SHARE * what.budget
         return differs or abs(craft.free_s - ahead.free_s) > SLIGHT_S
 
     def _earlier(self, craft: FlyingChaser, hop: Hop) -> Hop:
-        """The first connection to the same body to arrive, of those that take no more ΔV.
+        """The earliest arrival at the same body that takes no more ΔV.
 
         Neither as planned, nor by a kind of leg that may cost more than planned by a larger factor.
         """
@@ -123,7 +123,7 @@ class AtEveryService:
         return found if found.arrival < hop.arrival and is_as_certain else hop
 
     def _choose(self, now: Situation) -> None:
-        """Plan what is left, with reserves and without, and keep to the best plan there is."""
+        """Plan the rest with and without reserves, and keep the best plan."""
         worlds = range(self._worlds, self._worlds + WORLDS)
         self._worlds = worlds.stop
         best = None
@@ -138,7 +138,7 @@ class AtEveryService:
                 self._routes, best = found, worths
 
     def _planned(self, now: Situation, *, cautious: bool) -> Routes | None:
-        """A plan of what is left, for all chasers, from where they are or will be."""
+        """A plan of the rest for all chasers, from their present or next free positions."""
         facts, at_s = self._facts, now.craft.free_s
         flying = [craft for craft in now.chasers if craft is now.craft or not craft.ended]
         states = in_order(facts.instance, tuple(_state(facts, craft, at_s) for craft in flying))
@@ -179,7 +179,7 @@ class AtEveryService:
 
 
 class AtDeviations(AtEveryService):
-    """Plans the rest anew when a chaser is not as planned, and keeps to the plan otherwise."""
+    """Replans the rest when a chaser deviates from the plan, and follows the plan otherwise."""
 
     def _has_changed(self, now: Situation) -> bool:
         craft = now.craft
@@ -205,7 +205,7 @@ class AtDeviations(AtEveryService):
 
 
 def _state(facts: MissionFacts, craft: FlyingChaser, at_s: float) -> ChaserState:
-    """A chaser as replanning knows it; with an object that it has still to tow, if it has one."""
+    """State of a chaser for replanning, with the object that it still has to tow, if any."""
     chaser = facts.instance.chasers[craft.chaser]
     legs = tuple(_leg(facts, made) for made in craft.made)
     is_put = craft.towed
@@ -248,7 +248,7 @@ def _start(facts: MissionFacts, craft: FlyingChaser) -> str | None:
 
 
 def _leg(facts: MissionFacts, made: Made) -> Leg:
-    """A flown leg, as far as replanning looks at it."""
+    """A flown leg, reduced to the fields that replanning reads."""
     j = made.hop.destination
     tow = None
     if made.outcome == SERVICED and j in facts.tow_s:

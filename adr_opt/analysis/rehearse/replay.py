@@ -29,7 +29,7 @@ from .outcome import Rehearsal
 from .sampling import Setting, flown_in
 
 LEAST_S = 1e-3
-"""Duration of what takes no time, as a launch to a target that is gone [s]."""
+"""Duration given to events without one, such as a launch to a missing target [s]."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def replay(setting: Setting, seed: int, connections: str | None = None) -> Repla
 
 
 def _done(craft: FlyingChaser) -> list[Made]:
-    """Legs of which something came."""
+    """Legs that had an effect."""
     return [made for made in craft.made if made.outcome not in (DRY, LATE)]
 
 
@@ -133,7 +133,7 @@ def _as_instance(
 
 
 def _as_flown(chaser: Chaser, craft: FlyingChaser) -> Chaser:
-    """The chaser with the kits that it brought back as a part of it."""
+    """The chaser with the kits that it brought back counted as dry mass."""
     start = chaser.start
     if chaser.is_launched:
         start = InOrbit(orbit=LEO)
@@ -152,7 +152,7 @@ def _as_flown(chaser: Chaser, craft: FlyingChaser) -> Chaser:
 def _rows(
     facts: MissionFacts, world: DrawnWorld, craft: FlyingChaser
 ) -> Iterator[tuple[str, str, float, float, float]]:
-    """Legs as connections: what a tow took and what a tank could not use are part of them."""
+    """Legs as connections whose ΔV includes tows and the unusable part of tanks."""
     what = facts.chasers[craft.chaser]
     filling, lacking = 1, True
     kits = craft.kits + sum(

@@ -30,13 +30,13 @@ CHUNK = 50
 """Maximum number of rehearsals of a call to another process."""
 
 PLANNING_S = 10.0
-"""Limit of the plan that a policy begins with where none is given [s]."""
+"""Time limit of the initial plan if none is given [s]."""
 
 Told = Callable[[int, int], None]
 
 
 class Setting(NamedTuple):
-    """What all rehearsals have in common.
+    """Common settings of all rehearsals.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Setting(NamedTuple):
     policy: str
 
     def study(self) -> Study[int, Rehearsal]:
-        """The study of which rehearsals are rows, by the seeds of their worlds.
+        """The study whose rows are rehearsals, by the seeds of their worlds.
 
         Rows of policies that plan depend on the wall time of planners, too.
         """
@@ -66,7 +66,7 @@ class Setting(NamedTuple):
 
 
 class _Flights(InProcess[Setting]):
-    """Rehearsals of one process, with what they share."""
+    """Rehearsals flown in one process, with their shared data."""
 
     @cached_property
     def _planned(self) -> Intended:
@@ -126,7 +126,7 @@ def rehearse(  # noqa: PLR0913
     check_worlds(samples, seed, jobs, cluster)
     if path is not None and plan is None:
         # The plan of "auto" depends on the wall time: another call would find another one.
-        raise InputError(f"{path}: rehearsals of a file begin with a plan that is given; give one")
+        raise InputError(f"{path}: rehearsals in a file need a given plan; give one")
     began = now_s()
     setting = setting_of(instance, plan, uncertainty, policy)
     made = run(
@@ -148,7 +148,7 @@ def rehearse(  # noqa: PLR0913
 def setting_of(
     instance: Instance, plan: AnyPlan | None, uncertainty: Uncertainty, policy: str
 ) -> Setting:
-    """What all rehearsals have in common, with a plan to begin with.
+    """Common settings of all rehearsals, with an initial plan.
 
     Raises
     ------
@@ -160,11 +160,11 @@ def setting_of(
     policy_of(policy)
     if plan is None:
         if policy in NEED_PLAN:
-            raise InputError(f"policy {policy!r} keeps to a plan; give one")
+            raise InputError(f"policy {policy!r} follows a plan; give one")
         made = solve(instance, time_limit=PLANNING_S, stop=Proven()).plan
         if made is None:
             raise InputError(
-                f"no plan of {instance.name!r} was found to begin with; give one that 'solve' made"
+                f"no plan of {instance.name!r} was found to start from; give one that 'solve' made"
             )
         begun = admit_made(instance, made)
     else:

@@ -1,4 +1,4 @@
-"""By how much later than planned services end: on average, and at most in a share of cases."""
+"""Delays of the ends of services: their means, and their quantiles."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .mission_facts import MissionFacts
 FloatArray = npt.NDArray[np.float64]
 
 ROUNDING = 1e-9
-"""Difference of chances that counts as none."""
+"""Difference of chances below which they count as equal."""
 
 
 def mean_delays_s(facts: MissionFacts, uncertainty: Uncertainty) -> FloatArray:
-    """By how much later than planned services end on average, all tries counted.
+    """Mean delays of the ends of services, all tries included.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def mean_delays_s(facts: MissionFacts, uncertainty: Uncertainty) -> FloatArray:
 
 
 def largest_delays_s(facts: MissionFacts, uncertainty: Uncertainty, share: float) -> FloatArray:
-    """By how much later than planned services end at most in a share of cases.
+    """Quantiles of the delays of the ends of services.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def largest_delays_s(facts: MissionFacts, uncertainty: Uncertainty, share: float
 def _of_each(
     facts: MissionFacts, uncertainty: Uncertainty, delays: Callable[[str, FloatArray], FloatArray]
 ) -> FloatArray:
-    """Delays of all targets; at once of those of which nothing of their own is said."""
+    """Delays of all targets, computed once for those without distributions of their own."""
     planned = _planned_s(facts)
     usual = np.arange(planned.size) >= facts.first_target
     found = np.zeros(planned.size)
@@ -98,14 +98,14 @@ def _planned_s(facts: MissionFacts) -> FloatArray:
 
 
 def _mean_s(delay: Delay) -> float:
-    """Mean of a delay, that there may be none counted [s]."""
+    """Mean of a delay, the chance of none included [s]."""
     if delay.most_s is None or delay.mean_s == 0.0:
         return delay.chance * delay.mean_s
     return -delay.chance * delay.mean_s * math.expm1(-delay.most_s / delay.mean_s)
 
 
 def _tries_until(chance: float, success: float, most: int) -> int:
-    """Number of tries after which one has succeeded by a chance."""
+    """Number of tries within which one succeeds with a given chance."""
     for tries in range(1, most):
         if 1.0 - (1.0 - success) ** tries >= chance:
             return tries

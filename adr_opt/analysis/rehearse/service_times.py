@@ -1,4 +1,4 @@
-"""Times of services as distributions, and what a service of an uncertain time is worth.
+"""Distributions of the times of services, and worths of services of uncertain time.
 
 See docs/model.md section 13.3.
 """
@@ -18,10 +18,10 @@ PARTS = 2000
 """Number of equally likely parts of the distribution of a factor."""
 
 STEP = 1.02
-"""Ratio of the times left at which worths are looked at."""
+"""Ratio between successive times left at which worths are evaluated."""
 
 SHORT_S = 60.0
-"""Shortest of these times [s]."""
+"""Shortest time left at which worths are evaluated [s]."""
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -36,7 +36,7 @@ def _factors(model: LognormalFactor | None) -> FloatArray:
 
 
 class ServiceTimes:
-    """The distribution of the time of a service: a factor on what is planned, and a delay.
+    """The distribution of the time of a service: a factor on the planned time, and a delay.
 
     Each part of the distribution of the factor is taken at its least, so that chances are no less,
     and means no more, than the true ones: by no more than a part.
@@ -53,13 +53,13 @@ class ServiceTimes:
         self._added = model.added or Delay(chance=0.0, mean_s=0.0)
 
     def chance_by(self, left_s: float) -> float:
-        """Chance that a service takes no longer than a time, no less than the true one."""
+        """Upper bound on the chance that a service takes no longer than a time."""
         over = left_s - self._least_s
         later = np.where(over < self._most_s, self._added.chance * self._beyond(over), 0.0)
         return float(np.where(over >= 0.0, 1.0 - later, 0.0).mean())
 
     def within_s(self, left_s: float) -> float:
-        """Mean of the lesser of a service and a time, no more than the true one [s]."""
+        """Lower bound on the mean of the lesser of a service's time and a given time [s]."""
         over = np.clip(left_s - self._least_s, 0.0, self._most_s)
         added = self._added.chance * self._added.mean_s * (1.0 - self._beyond(over))
         return float((np.minimum(self._least_s, left_s) + added).mean())
@@ -69,7 +69,7 @@ class ServiceTimes:
         return float("inf") if self._added.most_s is None else self._added.most_s
 
     def _beyond(self, over: FloatArray) -> FloatArray:
-        """Chance that a delay that occurs, if it had no maximum, is longer."""
+        """Chance that a delay which occurs would be longer if it had no maximum."""
         mean_s = self._added.mean_s
         if mean_s == 0.0:
             return np.zeros(over.size)
@@ -77,7 +77,7 @@ class ServiceTimes:
 
 
 class LateWorth(NamedTuple):
-    """What a service that begins late counts at most.
+    """Upper limit on the worth of a service that begins late.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class LateWorth(NamedTuple):
 
 
 class MostWorths(NamedTuple):
-    """The most that going to a target is worth by the time that is left when its service begins.
+    """Upper bounds on the worth of going to a target, by the time left when its service begins.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class MostWorths(NamedTuple):
 def most_worths(
     planned_s: float, model: ServiceUncertainty, prize: float, per_s: float, mission_s: float
 ) -> MostWorths:
-    """Worths W(x) = r P(S ≤ x) − λ E min(S, x) of a service of a drawn time S, as maxima.
+    """Running maxima of W(x) = r P(S ≤ x) − λ E min(S, x), for a service of random time S.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def most_worths(
 
 
 def levels_of(left_s: FloatArray, worth: FloatArray, least: float) -> tuple[LateWorth, ...]:
-    """Falling levels above a worth that rises with the time that is left.
+    """Falling levels above a worth that rises with the time left.
 
     Parameters
     ----------

@@ -19,8 +19,8 @@ from .mission_facts import MissionFacts
 from .worths import Counted
 
 UNIT_DIGITS, ALMOST = 3, 1e-9
-"""Digits of prizes that fall, after the first of the largest prize; excess that rounding takes for
-none [units]."""
+"""Digits of falling prizes after the first digit of the largest prize; excess that counts as
+rounding [units]."""
 
 
 class StandIn(NamedTuple):
@@ -52,7 +52,7 @@ class StandIn(NamedTuple):
 def timed_stand_in(
     facts: MissionFacts, world: DrawnWorld, counted: Counted, target: Target, planned_s: float
 ) -> StandIn:
-    """The body of a target that counts the less, the less time is left at its service.
+    """A body for a target whose prize falls as less time is left at its service.
 
     One that has begun in time may go on after the mission.
     """
@@ -83,7 +83,7 @@ def _strictly_falling(
 
 
 def _unit(instance: Instance) -> float:
-    """What prizes that fall are multiples of, about a thousandth of the largest one."""
+    """Common step of falling prizes, about a thousandth of the largest."""
     most = max(target.prize for target in instance.targets)
     return 10.0 ** (math.floor(math.log10(most)) - UNIT_DIGITS) if most > 0.0 else 1.0
 

@@ -1,4 +1,4 @@
-"""Worth of tries at targets on average, and the penalties that take the luck out of captures."""
+"""Mean worths of tries at targets, and penalties that cancel the luck of captures."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 
 PRIZE_DIGITS = 9
-"""Digits of prizes, which are rounded up."""
+"""Number of digits to which prizes are rounded up."""
 
 
 def worths_of_tries(
     prize: float, success: float, tries: int, paid: float = 0.0
 ) -> tuple[float, ...]:
-    """What a target is worth on average before each try, and after the last one that failed.
+    """Mean worth of a target before each try, and after the last failed one.
 
     W_k = p r + (1 − p) max(W_{k+1}, 0) − what is paid for the time of a try, and 0 after the last.
     """
@@ -46,7 +46,7 @@ class TryWorths:
         self._known: dict[int, tuple[float, ...]] = {}
 
     def _worths(self, target: int) -> tuple[float, ...]:
-        """The worths of tries at a target, worked out when first asked for."""
+        """The worths of tries at a target, computed when first needed."""
         if target not in self._known:
             of, uncertainty = self._targets[target - self._first_target], self._uncertainty
             self._known[target] = worths_of_tries(
@@ -61,23 +61,23 @@ class TryWorths:
         return self._uncertainty.gone_of(self._targets[target - self._first_target].name)
 
     def most(self, target: int) -> float:
-        """Mean worth of a target to which a chaser goes, with all tries."""
+        """Mean worth of going to a target, with all tries."""
         return (1.0 - self._gone(target)) * self._worths(target)[0]
 
     def after(self, target: int, tries: int) -> float:
-        """What a target counts at which some tries are made, until one succeeds or none is left."""
+        """Value of a target at which some tries are made, until one succeeds or none is left."""
         return self.most(target) + tries * self._paid.get(target, 0.0)
 
     def after_failures(self, target: int, tries: int) -> float:
-        """What a target counts that is there and is given up after some tries that failed."""
+        """Value of an existing target that is given up after some failed tries."""
         return self.after(target, tries) - max(self._worths(target)[tries], 0.0)
 
     def on_arrival(self, target: int, *, gone: bool) -> float:
-        """What an arrival counts: nothing on average."""
+        """Value of an arrival; its mean is zero."""
         return self.most(target) if gone else self.most(target) - self._worths(target)[0]
 
     def of_try(self, target: int, attempt: int, *, caught: bool) -> float:
-        """What the n-th try counts, if it ends in time: its chance times the prize on average."""
+        """Value of the n-th try, if it ends in time; its mean is its chance times the prize."""
         before, after = self._worths(target)[attempt - 1 : attempt + 1]
         return before if caught else before - after
 
@@ -97,7 +97,7 @@ def mean_worths(instance: Instance, uncertainty: Uncertainty) -> dict[str, float
 
 
 def common_share(instance: Instance, uncertainty: Uncertainty) -> float | None:
-    """The share of its prize that each target is worth on average; None where shares differ."""
+    """Mean share of its prize that each target is worth; None if shares differ."""
     worths = TryWorths(instance, uncertainty)
     shares = [
         worths.most(body) / target.prize
@@ -110,7 +110,7 @@ def common_share(instance: Instance, uncertainty: Uncertainty) -> float | None:
 
 
 def with_worths(instance: Instance, worths: dict[str, float]) -> Instance:
-    """An instance whose prizes are what going to its targets is worth, where that is known."""
+    """An instance with the worths of going to its targets as prizes, where known."""
     if not worths:
         return instance
     targets = tuple(
@@ -121,7 +121,7 @@ def with_worths(instance: Instance, worths: dict[str, float]) -> Instance:
 
 
 def rounded_up(prize: float) -> float:
-    """A prize of few digits, no less than the one that is given."""
+    """A prize rounded up to few digits."""
     if prize <= 0.0:
         return 0.0
     digits = PRIZE_DIGITS - 1 - math.floor(math.log10(prize))

@@ -1,4 +1,4 @@
-"""What a policy sees from where a chaser is: legs to bodies nearby, computed when asked for."""
+"""Legs visible to a policy from a chaser's position, computed on demand."""
 
 from __future__ import annotations
 
@@ -42,17 +42,17 @@ IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 RANKS = 64
-"""Number of nearest open targets to which legs are worked out; required ones are always added."""
+"""Number of nearest open targets to which legs are computed; required ones are always added."""
 
 KEPT = 24
-"""Number of bodies among them that a policy sees, the cheapest to go to: stations, planned and
-required ones first."""
+"""Number of those bodies that a policy sees: stations, planned and required ones first, then the
+cheapest to reach."""
 
 MATCH_M_S = 1e-3
-"""Tolerance of costs when a connection computed on demand is looked for among those of a pair."""
+"""Tolerance of costs when a connection computed on demand is matched with those of a pair."""
 
 LATE = 0.9
-"""Share of times of services, and chance of captures, for which a way to refuel is kept."""
+"""Quantile of service times, and chance of captures, at which a way to refuel is kept."""
 
 
 STAY = len(OBSERVED)
@@ -60,7 +60,7 @@ STAY = len(OBSERVED)
 
 
 class Seen(NamedTuple):
-    """Legs from which a chaser may choose, and what the policy sees of them.
+    """Legs from which a chaser may choose, with their features for the policy.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Seen(NamedTuple):
 
 
 class VisibleLegs:
-    """Legs from a body at a time, and what they lead to on average; shared by rehearsals.
+    """Legs from a body at a time with mean outcomes, shared by rehearsals.
 
     Where all legs between bodies are short, connections are computed on demand, as those of large
     fields are by planners; otherwise they come from the lists of the pairs of the body.
@@ -127,7 +127,7 @@ class VisibleLegs:
     def seen(
         self, craft: FlyingChaser, closed: set[int], planned: list[int], own: Hop | None
     ) -> Seen:
-        """The legs from which a chaser may choose, and what the policy sees of them.
+        """The legs from which a chaser may choose, with their features for the policy.
 
         Parameters
         ----------
@@ -204,7 +204,7 @@ class VisibleLegs:
         return Seen(bodies, delta_v, arrival, legal, moves, mission)
 
     def _look_back(self, craft: FlyingChaser, choices: Choices) -> None:
-        """Write the ways back to stations from where choices lead."""
+        """Write the ways back to stations from the destinations of choices."""
         facts, limits = self._facts, self._facts.chasers[craft.chaser].limits
         if not facts.stations:
             return
@@ -256,7 +256,7 @@ class VisibleLegs:
         note_all_onward(choices, there, delta_v, end, float(limits.duration))
 
     def _coming(self, bodies: IntArray) -> FloatArray:
-        """What may come of going to bodies: stay and factor of :class:`Choices`, side by side."""
+        """Distributions for going to bodies: stay and factor of :class:`Choices`, side by side."""
         facts = self._facts
         for body in bodies[~self._is_known[bodies]].tolist():
             name = None if body < facts.stations else facts.names[body]
@@ -283,7 +283,7 @@ class VisibleLegs:
     def hop(
         self, craft: FlyingChaser, body: int, arrival_s: float, delta_v_m_s: float
     ) -> Hop | None:
-        """The connection of a leg among those of its pair; else the one chosen there, or none."""
+        """The connection of a leg: one of its pair, else the timetable's choice, or None."""
         facts = self._facts
         is_launching = self._is_launching(craft)
         source = self._source(craft.chaser, craft.towed and craft.body in facts.tow_s)
@@ -306,7 +306,7 @@ class VisibleLegs:
         return self._facts.chasers[craft.chaser].is_launched and not craft.made
 
     def _candidates(self, craft: FlyingChaser, closed: set[int], planned: list[int]) -> IntArray:
-        """Stations and open targets, of many the nearest."""
+        """Stations and the nearest open targets."""
         is_open = np.ones(len(self._facts.names), dtype=np.bool_)
         is_open[: self._facts.first_target] = False
         is_open[list(closed)] = False

@@ -1,4 +1,4 @@
-"""Rows of worlds: what comes of each of consecutive seeds, as a study."""
+"""Studies over worlds: one row for each of consecutive seeds."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ...study.workers import Row
 from .mission_facts import MissionFacts
 
 EXACT = ConfigDict(strict=True, allow_inf_nan=False, extra="forbid")
-"""How the data classes of rows are read: of the types that they state, and finite."""
+"""Strict reading of the data classes of rows: stated types, finite numbers."""
 
 MOST_SAMPLES = 1_000_000
 
@@ -27,7 +27,7 @@ R = TypeVar("R")
 
 
 class OfInstance(Protocol):
-    """What rows of worlds depend on, an instance among it."""
+    """Data on which rows of worlds depend, an instance included."""
 
     @property
     def instance(self) -> Instance:
@@ -39,7 +39,7 @@ S = TypeVar("S", bound=OfInstance)
 
 
 class InProcess(Generic[S]):
-    """What the rows of one process share; another process makes its own.
+    """Data shared by the rows of one process.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class InProcess(Generic[S]):
 
     @cached_property
     def alone(self) -> MissionFacts:
-        """Facts for rows that are made alone, on all cores."""
+        """Facts for rows computed alone, on all cores."""
         return MissionFacts(self.setting.instance)
 
     @cached_property
@@ -62,7 +62,7 @@ class InProcess(Generic[S]):
         return MissionFacts(self.setting.instance, cores=1)
 
     def facts(self, place: Place) -> MissionFacts:
-        """Facts for a row that is made at a place."""
+        """Facts for a row computed at a place."""
         return self.alone if place.alone else self._beside
 
 
@@ -84,7 +84,7 @@ def worlds_study(protocol: str, row: Row, of: Mapping[str, str], kind: type[R]) 
     def from_json(seed: int, value: Any) -> R:
         found = validated(adapter, json.dumps(value))
         if found.seed != seed:  # type: ignore[attr-defined]
-            raise ValueError("of another seed")
+            raise ValueError("of a different seed")
         return found
 
     digests = {word: sha256(text.encode()).hexdigest() for word, text in of.items()}
@@ -92,7 +92,7 @@ def worlds_study(protocol: str, row: Row, of: Mapping[str, str], kind: type[R]) 
 
 
 def check_worlds(samples: int, seed: int, jobs: int, cluster: str | None) -> None:
-    """Refuse numbers of worlds and of processes that make no sense.
+    """Refuse numbers of worlds or processes out of range.
 
     Raises
     ------

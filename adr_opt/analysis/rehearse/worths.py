@@ -1,4 +1,4 @@
-"""What a clairvoyant counts for each target of a known world (docs/model.md section 13.3)."""
+"""Values of targets to a clairvoyant in a known world (docs/model.md section 13.3)."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .service_times import LateWorth, levels_of, most_worths
 from .tries import TryWorths
 
 LEVEL = 0.05
-"""Least fall of what a late service counts, as a share of the prize."""
+"""Least step in the falling value of a late service, as a share of the prize."""
 
 ALIKE = 0.05
 """Difference of the times of tries that have one price, as a share of the median."""
 
 
 class Counted(NamedTuple):
-    """What a clairvoyant counts for a target.
+    """Value of a target to a clairvoyant.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ Worth = Callable[[Target], Counted]
 
 
 def can_be_serviced(world: DrawnWorld, target: Target) -> bool:
-    """Whether a target is there, and one of its tries succeeds."""
+    """Whether a target exists and one of its tries succeeds."""
     return not world.is_gone(target.name) and world.first_success(target.name) is not None
 
 
@@ -58,7 +58,7 @@ def required_worth(facts: MissionFacts, world: DrawnWorld) -> Worth:
 
 
 def takes_uncertain_time(uncertainty: Uncertainty, target: str) -> bool:
-    """Whether the service of a target may take another time than planned."""
+    """Whether the service of a target may differ in time from the plan."""
     model = uncertainty.service_of(target)
     return model.factor is not None or model.added is not None
 
@@ -94,7 +94,7 @@ def prices_of_tries(facts: MissionFacts, per_s: float) -> dict[int, float]:
 
 
 def penalised_worth(facts: MissionFacts, world: DrawnWorld, per_s: float = 0.0) -> Worth:
-    """The mean prize of going to each target, and what of it is left if a chaser gives up.
+    """The mean prize of going to each target, and the part left if a chaser gives up.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def penalised_worth(facts: MissionFacts, world: DrawnWorld, per_s: float = 0.0) 
 
 
 def _worth_of_tries(facts: MissionFacts, world: DrawnWorld, per_s: float) -> Worth:
-    """Where times are certain."""
+    """Value of a target whose service times are certain."""
     worths = TryWorths(facts.instance, world.uncertainty, prices_of_tries(facts, per_s))
 
     def worth(target: Target) -> Counted:
@@ -128,7 +128,7 @@ def _worth_of_tries(facts: MissionFacts, world: DrawnWorld, per_s: float) -> Wor
 
 
 def _worth_of_time(facts: MissionFacts, world: DrawnWorld, target: Target, per_s: float) -> Counted:
-    """Where one try takes an uncertain time: the mean worth, and the price of the time spent."""
+    """Value of a single try of uncertain time: the mean worth less the price of the time spent."""
     uncertainty, name = world.uncertainty, target.name
     planned_s = float(facts.chasers[0].limits.service[facts.number[name]])
     most = most_worths(

@@ -83,31 +83,31 @@ class ChaserState:
 
     @property
     def is_new(self) -> bool:
-        """Whether it has not flown yet."""
+        """Whether the chaser has not flown yet."""
         return not self.legs
 
     @property
     def weighed_kits(self) -> int:
-        """Kits aboard that count; none where there is no limit, since they weigh nothing then."""
+        """Kits aboard that have mass; none if unlimited, as they then weigh nothing."""
         return 0 if self.kits is None else self.kits
 
     @property
     def is_at_target(self) -> bool:
-        """Whether it is at a target that it has serviced or missed."""
+        """Whether the chaser is at a target that it has serviced or missed."""
         return self.since_refuelling > 0
 
     @property
     def is_released(self) -> bool:
-        """Whether its last tow has begun or ended, so that it is on the disposal orbit."""
+        """Whether the chaser's last tow has begun or ended, so that it is on the disposal orbit."""
         return bool(self.legs) and self.legs[-1].tow is not None and not self.is_put
 
     def onward(self, legs: tuple[Leg, ...]) -> tuple[Leg, ...]:
-        """Legs of a new plan that go further, without one that only puts it where it is."""
+        """Legs of a new plan, without a first leg that only places the chaser where it is."""
         return legs[1:] if self.is_put else legs
 
     @property
     def has_to_return(self) -> bool:
-        """Whether it must end at a station."""
+        """Whether the chaser must end at a station."""
         return isinstance(self.chaser.end, AtStation)
 
 
@@ -192,16 +192,16 @@ def _fixed(
             continue
         if at < begun:
             raise InputError(
-                f"failed leg {failed}: it has begun at {begins_s[at]:.0f} s, before {at_s:g} "
-                f"s, and is finished; if {leg.destination!r} is not serviced, tell it as missed"
+                f"failed leg {failed}: it has begun at {begins_s[at]:.0f} s, before {at_s:g} s, "
+                f"and will be finished; if {leg.destination!r} is not serviced, report it as missed"
             )
         count = at
         since_s = max(at_s, begins_s[at] + DELAY_S)
     if count > possible:
         raise InputError(
-            f"leg {legs[possible][0]} to {legs[possible][1].destination!r} is to be kept, and was "
-            f"to begin before the service at {legs[possible - 1][1].destination!r} is over; keep "
-            "fewer legs"
+            f"leg {legs[possible][0]} to {legs[possible][1].destination!r} is to be kept, but "
+            f"would begin before the service at {legs[possible - 1][1].destination!r} is over; "
+            "keep fewer legs"
         )
     refuse_not_begun(legs, begun, count, at_s, went)
     notes = said_of(legs, begun, planned, possible, went.missed)
@@ -306,7 +306,7 @@ def put_s(instance: Instance, state: ChaserState) -> tuple[float, float]:
 
 
 def tank_holding(chaser: Chaser, left_m_s: float | None, propellant_kg: float | None) -> AnyTank:
-    """The tank with a given content at the start."""
+    """A tank with a given content at the start."""
     tank = chaser.tank
     if isinstance(tank, TankByMass):
         initial_kg = None if propellant_kg is None else min(propellant_kg, tank.propellant_kg)

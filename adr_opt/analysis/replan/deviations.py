@@ -61,7 +61,7 @@ def check_deviations(instance: Instance, plan: Plan, went: Deviations) -> None:
         negative, not finite, or too large.
     """
     if went.retry and not went.missed:
-        raise InputError("retry: no target is missed; name those that may be tried again as missed")
+        raise InputError("retry: no target is missed; name targets to retry as missed, too")
     targets, visited = {target.name for target in instance.targets}, set(plan.destinations)
     names = [("missed", name) for name in went.missed]
     names += [("service-took", name) for name in went.services_s]
@@ -101,7 +101,7 @@ def possible_legs(
 
 
 def refuse_not_begun(legs: Numbered, begun: int, fixed: int, at_s: float, went: Deviations) -> None:
-    """Refuse deviations of legs that are still to be planned.
+    """Refuse deviations of legs that have not begun.
 
     Parameters
     ----------
@@ -123,19 +123,18 @@ def refuse_not_begun(legs: Numbered, begun: int, fixed: int, at_s: float, went: 
         if name in went.missed and at >= begun:
             raise InputError(
                 f"missed {name!r}: leg {number}, which leads to it, has not begun by {at_s:g} s; "
-                "leave it out as lost"
+                "name it as lost instead"
             )
         if at < fixed:
             continue
-        anew = f"leg {number}{{}} is planned anew from {at_s:g} s on; {{}} only legs that have "
-        anew += "begun or are kept"
+        anew = f"leg {number}{{}} is replanned from {at_s:g} s on; give {{}} only for legs that "
+        anew += "have begun or are kept"
         if name in went.services_s:
             raise InputError(
-                f"service-took {name!r}: "
-                + anew.format(", which leads to it,", "tell of the service after")
+                f"service-took {name!r}: " + anew.format(", which leads to it,", "a time")
             )
         if number in went.costs_m_s:
-            raise InputError(f"cost of leg {number}: " + anew.format("", "tell of"))
+            raise InputError(f"cost of leg {number}: " + anew.format("", "a cost"))
 
 
 def as_carried_out(instance: Instance, fixed: Numbered, at_s: float, went: Deviations) -> Numbered:
@@ -210,8 +209,8 @@ def weighed_anew(instance: Instance, flown: Flown, fixed: int) -> Flown:
         if least_m_s < -SLACK_M_S:
             raise InputError(
                 f"leg {number} to {leg.destination!r}: the tank would lack {-least_m_s:.6g} m/s "
-                "for it after all that is told of the flight; correct the costs, or tell that of "
-                "this leg too"
+                "for it by the reported times and costs; correct them, or give the cost of this "
+                "leg, too"
             )
         legs[at] = number, leg.replace(delta_v_left_m_s=stage.left_m_s, mass_kg=stage.mass_kg)
     return replace(flown, legs=tuple(legs))
@@ -220,7 +219,7 @@ def weighed_anew(instance: Instance, flown: Flown, fixed: int) -> Flown:
 def said_of(
     legs: Numbered, begun: int, planned: int, possible: int, missed: Sequence[str]
 ) -> tuple[str, ...]:
-    """Notes on legs that have begun, or not, because of deviations.
+    """Notes on legs that deviations have kept from beginning, or have not.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ def crossings(
                     f"the leg {said}, and is to be kept; keep fewer legs, or let an earlier one "
                     "fail"
                 )
-            yield f"the leg under way {said}, and is finished all the same"
+            yield f"the leg under way {said}, but will be finished"
 
 
 def remaining_instance(
@@ -91,8 +91,8 @@ def remaining_instance(
             raise InputError(f"lost {name!r}: not a target of {instance.name!r}")
         if name in done:
             raise InputError(
-                f"lost {name!r}: it is done by then, or the leg to it has begun; tell it as missed "
-                "if it is not serviced"
+                f"lost {name!r}: it is serviced by then, or the leg to it has begun; report it as "
+                "missed if it is not serviced"
             )
     put = {state.body or "": put_s(instance, state) for state in states if state.is_put}
     targets = tuple(
@@ -183,7 +183,7 @@ def _stations_left(instance: Instance, states: Sequence[ChaserState]) -> tuple[S
 
 
 def _going_on(instance: Instance, state: ChaserState) -> Chaser:
-    """The chaser of a state, as part of an instance that begins there.
+    """The chaser of a state, as part of an instance that starts from it.
 
     What it was launched for is paid, so that it has no expense any more.
     """

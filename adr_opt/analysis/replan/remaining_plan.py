@@ -30,7 +30,7 @@ HURRY = 110.0 / 75.0
 
 
 class PlannerChoice(NamedTuple):
-    """How what remains is planned.
+    """Settings for planning the rest of a mission.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class PlannerChoice(NamedTuple):
 
 @dataclass(frozen=True)
 class _Task:
-    """All that stays the same while what remains is planned again and again."""
+    """Data that stay the same while the rest is planned repeatedly."""
 
     instance: Instance
     remaining: Remaining
@@ -106,7 +106,7 @@ def plan_remaining(
 
 
 def _consistent(task: _Task, states: tuple[ChaserState, ...], planning: Planning) -> RemainingPlan:
-    """A plan that agrees with the states that it begins from.
+    """A plan consistent with the states from which it starts.
 
     Two parts of a state depend on the plan. Kits that no target takes are carried along, and their
     mass is known once the plan is. And a chaser that is still to tow an object has to be the first
@@ -195,7 +195,7 @@ def _certified(problem: Problem, orders: list[list[str]], seed: int, runtime_s: 
 
 
 def _quickly(problem: Problem, time_limit: float, seed: int, stop: Stop | None) -> Result:
-    """The plan of the quick planner, without steps that take longer than itself."""
+    """The plan of the quick planner, without slower preparatory steps."""
     options = {"time_value_m_s_per_h": problem.missions[0].time_value_m_s_per_h}
     prepared = prepare(PLANNERS, QUICK, seed=seed, options=options)
     limits = [MaxRuntime(time_limit), *([] if stop is None else [stop])]
@@ -214,7 +214,7 @@ def _flyable(problem: Problem, orders: list[list[str]]) -> list[list[str]]:
 
 
 def _is_better(made: Result, best: Result) -> bool:
-    """Whether it collects more."""
+    """Whether one plan collects more than another."""
     if made.plan is None or best.plan is None:
         return made.plan is not None
     return made.objective > best.objective

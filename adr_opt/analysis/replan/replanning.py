@@ -133,8 +133,8 @@ def _zoned(instance: Instance, zones: tuple[KeepOutZone, ...]) -> tuple[Instance
     if transfer == instance.transfer:
         return zoned, ()
     return zoned, (
-        "short legs cost what the burns of their sequence take, which avoid the zones; where free "
-        "burns lead is not known",
+        "short legs are priced by the burns of their sequence, which avoid the zones; paths of "
+        "free burns are not checked",
     )
 
 
@@ -150,6 +150,6 @@ def _waits(states: Sequence[ChaserState], found: RemainingPlan) -> Iterator[str]
     flown |= {state.chaser.name for state in begun if not state.is_released}
     for name in sorted(released & flown):
         yield (
-            f"{name} goes on from a disposal orbit where it waits, which the rules of "
-            f"{instance.name!r} allow and those of the whole mission do not"
+            f"{name} continues from a disposal orbit after waiting there, which {instance.name!r} "
+            "allows but the whole mission does not"
         )

@@ -25,7 +25,7 @@ from ...problem.instance import Instance
 from .chaser_states import ChaserState, heavier, put_s
 
 MOMENT_S = 1e-3
-"""Delay that is definite within the slack of the model [s]."""
+"""Delay that clearly exceeds the slack of the model [s]."""
 
 NEAR_EMPTY = 0.5
 """Share of a tank below which refuelling first is tried."""
@@ -34,7 +34,7 @@ Former = Mapping[str, tuple[str, ...]]
 """Pending bodies of each chaser, by name."""
 
 Remaining = Callable[[tuple[ChaserState, ...]], Instance | None]
-"""The instance that remains after some states; None where stations do not allow it."""
+"""The remaining instance after some states; None if stations do not allow it."""
 
 
 def in_order(instance: Instance, states: tuple[ChaserState, ...]) -> tuple[ChaserState, ...]:

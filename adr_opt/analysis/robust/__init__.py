@@ -1,1 +1,1 @@
-"""Plans that keep their tanks and departures with a chance that is asked for."""
+"""Robust plans: tanks and departures hold with a required probability."""

@@ -1,4 +1,4 @@
-"""A mission whose plans keep tanks, stays and launches with some chances.
+"""A mission with reserves, so that tanks, stays and launches hold with required chances.
 
 It is an ordinary mission (docs/model.md section 13.4): legs are charged for what they may cost
 more, services take as long as stays do with that chance, launches come after slips, and prizes are
@@ -37,7 +37,7 @@ LEAST_STEP = 0.3
 
 
 class Levels(NamedTuple):
-    """Chances with which each part of a promise is to be kept.
+    """Required chance of each part of a promise.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Levels(NamedTuple):
 
 
 def equal(confidence: float) -> Levels:
-    """Levels that every plan keeps whose promise is kept with a confidence."""
+    """Levels kept by every plan whose promise holds with a confidence."""
     return Levels(confidence, confidence, confidence)
 
 
@@ -78,7 +78,7 @@ def shared(confidence: float, promise: Promise) -> Levels:
 
 
 def between(first: Levels, second: Levels, share: float) -> Levels:
-    """Levels on the way from one to the other, and beyond it, by their normal scores."""
+    """Levels interpolated or extrapolated between two others by their normal scores."""
 
     def score(level: float | None) -> float:
         assert level is not None
@@ -127,7 +127,7 @@ def careful_problem(
 
 
 def risk_charge(facts: MissionFacts, uncertainty: Uncertainty, level: float) -> RiskCharge | None:
-    """What legs are charged so that each tank holds with a chance; None where legs are certain.
+    """Charges on legs so that each tank holds with a chance; None if legs are certain.
 
     Raises
     ------
@@ -145,14 +145,14 @@ def risk_charge(facts: MissionFacts, uncertainty: Uncertainty, level: float) -> 
     # Below a half a plan may bet on legs that are cheap: no reserve is valid for all.
     score = max(0.0, _NORMAL.inv_cdf(level))
     if usable.mean <= score * usable.sigma:
-        raise InputError(f"tanks: no part of a full tank can be used with a chance of {level:.4g}")
+        raise InputError(f"tanks: no share of a full tank is usable with a chance of {level:.4g}")
     largest = max(what.budget for what in facts.chasers)
     charge = RiskCharge(score, largest, usable, factors)
     return charge or None
 
 
 def is_bounded(facts: MissionFacts, uncertainty: Uncertainty) -> bool:
-    """Whether what is proven of such a mission is proven of all plans that keep these chances.
+    """Whether bounds on this mission hold for all plans that keep the required chances.
 
     Not where tanks by mass can be used in part: what a service makes of the ΔV that is left is not
     a share of it.
@@ -172,7 +172,7 @@ def _services(facts: MissionFacts, uncertainty: Uncertainty, level: float) -> di
         longest_s = stay.quantile(level)
         if not math.isfinite(longest_s):
             raise InputError(
-                f"target {name!r}: no stay is long enough with a chance of {level:.6g}"
+                f"target {name!r}: no planned stay suffices with a chance of {level:.6g}"
             )
         if longest_s > planned_s:
             found[name] = longest_s
@@ -180,7 +180,7 @@ def _services(facts: MissionFacts, uncertainty: Uncertainty, level: float) -> di
 
 
 def _instance(instance: Instance, uncertainty: Uncertainty, levels: Levels) -> Instance:
-    """The instance with launches after slips, and prizes that are mean worths.
+    """The instance with launches after slips, and mean worths as prizes.
 
     Launches are kept apart as planned: the slip of one delays no other.
     """

@@ -1,4 +1,4 @@
-"""Plans for the expected prize (docs/model.md section 13.5): the most on average when followed.
+"""Plans that maximise the expected prize when followed (docs/model.md section 13.5).
 
 What following a plan collects on average is no sum over its legs, so no planner has it as its
 prize. It is taken from drawn worlds, the same for all plans. Plans to choose from come from
@@ -37,26 +37,26 @@ from ..rehearse.tries import mean_worths
 from .careful_problem import Levels, as_it_is, careful_problem, risk_charge
 
 STAYS = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0)
-"""Multiples of the mean delay of a stay by which stays are planned to last longer."""
+"""Multiples of the mean delay of a stay added to planned stays."""
 
 TANKS = (None, 0.5, 0.8, 0.95, 0.99)
-"""Chances with which each tank is to hold its legs; None: what they are planned to take."""
+"""Required chances that each tank suffices for its legs; None: planned ΔV without reserve."""
 
 LEVEL_OF_LAUNCH = 0.8
-"""Chance of a slip that launches are planned after, with any caution."""
+"""Quantile of slips after which launches are planned, at any level of caution."""
 
 CHOSEN = range(3 * 10**9, 3 * 10**9 + 300)
-"""Worlds in which plans are chosen, far from those of users."""
+"""Seeds of the worlds in which plans are chosen, far from those of users."""
 
 TOLD = range(4 * 10**9, 4 * 10**9 + 1000)
-"""Worlds by which the chosen plan is judged, which no choice has seen."""
+"""Seeds of the worlds in which the chosen plan is judged, not used for choosing."""
 
 LEAST_SHARE, LEFT_SHARE = 0.1, 0.25
-"""Least share of the time limit for a plan, and share of what is left of it."""
+"""Least share of the time limit for a plan, and share of the time left for it."""
 
 
 class Prudence(NamedTuple):
-    """How much of the uncertainty a plan expects: places in :data:`STAYS` and :data:`TANKS`."""
+    """Levels of caution of a plan: indices into :data:`STAYS` and :data:`TANKS`."""
 
     stays: int
     tank: int
@@ -113,7 +113,7 @@ def expected(
     progress: Progress = silent,
     **method_options: Any,
 ) -> ExpectedPlan:
-    """Plan a mission for the most that following the plan collects on average.
+    """Plan a mission for the largest mean prize when the plan is followed.
 
     Parameters
     ----------
@@ -147,14 +147,14 @@ def expected(
 
 
 class _Made(NamedTuple):
-    """A plan of the instance, and what following it collects in each world."""
+    """A plan of the instance, with the prize of following it in each world."""
 
     plan: Plan
     worths: FloatArray
 
 
 class _Search:
-    """The search for the prudence whose plan collects most."""
+    """The search for the level of caution whose plan collects most."""
 
     def __init__(
         self,
@@ -181,7 +181,7 @@ class _Search:
         self._status: Status = "unknown"
 
     def run(self) -> ExpectedPlan:
-        """Try the mission as planned, then one prudence after the other from the best so far."""
+        """Try the mission without caution, then one level after another from the best so far."""
         result = self._planned(self._whole)
         self._status = result.status
         if result.plan is not None:
@@ -212,7 +212,7 @@ class _Search:
         return float(self._outlook.prizes(worths).mean())
 
     def _next(self) -> Iterator[Prudence]:
-        """Means first, then neighbours of the best until none is left."""
+        """The next level of caution: means first, then untried neighbours of the best."""
         most = self._most
         first = [Prudence(0, 0)] * (not self._is_plain)
         first += [Prudence(min(2, most.stays), min(tank, most.tank)) for tank in (1, 2)]
@@ -236,7 +236,7 @@ class _Search:
             yield new
 
     def _is_open(self, prudence: Prudence) -> bool:
-        """Whether there is time for a plan that has not been tried."""
+        """Whether time is left for an untried level."""
         if self._end <= now_s() or (self._stop is not None and self._stop.remaining_s() <= 0.0):
             return False
         is_known = self._is_plain and prudence == Prudence(0, 0)
@@ -244,21 +244,21 @@ class _Search:
 
     @property
     def _most(self) -> Prudence:
-        """The largest prudence that changes anything."""
+        """The highest level of caution that has an effect."""
         uncertainty = self._uncertainty
         is_dear = risk_charge(self._facts, uncertainty, TANKS[-1] or 0.5) is not None
         stays = len(STAYS) - 1 if (self._delays_s > 0.0).any() else 0
         return Prudence(stays, len(TANKS) - 1 if is_dear else 0)
 
     def _planned(self, problem: Problem) -> Result:
-        """The plan of a mission, in a share of the time that is left."""
+        """The plan of a mission, within a share of the time left."""
         left_s = max(self._end - now_s(), 0.0)
         limit_s = min(left_s, max(LEAST_SHARE * self._wanted.time_limit, LEFT_SHARE * left_s))
         wanted = replace(self._wanted, time_limit=limit_s)
         return run(PLANNERS, problem, self._method, wanted, stop=self._stop, progress=silent)
 
     def _made(self, prudence: Prudence) -> _Made | None:
-        """The plan of a mission that is as prudent, as one of the instance, followed."""
+        """The plan at a level of caution, restated for the instance and followed."""
         facts, share = self._facts, STAYS[prudence.stays]
         planned_s = facts.chasers[0].limits.service - [
             facts.tow_s.get(body, 0.0) for body in range(len(facts.names))
@@ -280,16 +280,16 @@ class _Search:
         return _Made(plan, self._followed(plan, CHOSEN))
 
     def _followed(self, plan: Plan, worlds: range) -> FloatArray:
-        """What following a plan collects in each world."""
+        """Prize of following a plan in each world."""
         return self._outlook.of_plan(intended(self._facts, plan), worlds)
 
     def _told(self, plan: Plan) -> Plan:
-        """The plan with what it collects on average, and how it was made."""
+        """The plan with its mean prize, and how it was found."""
         prizes = self._outlook.prizes(self._followed(plan, TOLD))
         mean, error = float(prizes.mean()), float(prizes.std(ddof=1)) / math.sqrt(len(TOLD))
         note = (
             f"made for its expected prize: followed, it collects {mean:.4g} ± {error:.2g} on "
-            f"average in {len(TOLD)} rehearsals; the objective counts all that is planned"
+            f"average in {len(TOLD)} rehearsals; the objective counts all planned targets"
         )
         return plan.replace(
             expected=ExpectedPrize(

@@ -1,4 +1,4 @@
-"""The chance that a plan keeps what it promises (docs/model.md section 13.4).
+"""The probability that a plan holds in an uncertain world (docs/model.md section 13.4).
 
 Each tank holds what its legs take, each chaser is free when its next leg departs, and the last stay
 ends in time. Draws are independent, so the chances of tanks are multiplied. Lateness is no sum, as
@@ -32,7 +32,7 @@ from ..rehearse.mission_facts import Hop, MissionFacts
 FloatArray = npt.NDArray[np.float64]
 
 FACTORS = 2000
-"""Number of equally likely factors that stand for the distribution of one."""
+"""Number of equally likely values that approximate the distribution of a factor."""
 
 STEPS = 60
 """Bisections of a quantile."""
@@ -64,7 +64,7 @@ class StayTime:
 
     @cached_property
     def _shares(self) -> tuple[tuple[int, float], ...]:
-        """Chance of each number of tries, of a target that is there."""
+        """Chance of each number of tries at a target that exists."""
         failed, shares = 1.0, []
         for tries in range(1, self._tries):
             shares.append((tries, failed * self._success))
@@ -90,7 +90,7 @@ class StayTime:
         return float(_no_longer(self._delay, spare_s).mean())
 
     def quantile(self, chance: float) -> float:
-        """The least time that a stay does not exceed with a chance [s]; at least the planned one.
+        """Quantile of the time of a stay, at least the planned time [s].
 
         +inf where no time is long enough.
         """
@@ -130,7 +130,7 @@ def slip_chance(slip: Delay, spare_s: float) -> float:
 
 
 def slip_quantile(slip: Delay, chance: float) -> float:
-    """The least time that a slip does not exceed with a chance below 1 [s]."""
+    """Quantile of a slip at a chance below 1 [s]."""
     if chance <= 1.0 - slip.chance or slip.mean_s == 0.0:
         return 0.0
     longest_s = math.inf if slip.most_s is None else slip.most_s
@@ -138,13 +138,13 @@ def slip_quantile(slip: Delay, chance: float) -> float:
 
 
 HALVINGS = 50
-"""Bisections of the ΔV that a tank has to spare."""
+"""Number of bisections of a tank's spare ΔV."""
 
 _NORMAL = NormalDist()
 
 
 class TankChance(NamedTuple):
-    """The chance that a tank holds what its legs take.
+    """The chance that a tank suffices for its legs.
 
     Attributes
     ----------
@@ -164,14 +164,14 @@ class TankChance(NamedTuple):
 
     @property
     def chance(self) -> float:
-        """By the normal distribution."""
+        """The chance by a normal approximation."""
         if self.sigma_m_s <= 0.0:
             return float(self.spare_m_s >= 0.0)
         return _NORMAL.cdf(self.spare_m_s / self.sigma_m_s)
 
 
 class InTime(NamedTuple):
-    """The chance that a chaser is in time: for its next leg, its end, or its launch.
+    """The chance that a chaser is in time for its next leg, its end or its launch.
 
     Attributes
     ----------
@@ -188,7 +188,7 @@ class InTime(NamedTuple):
 
 @dataclass(frozen=True)
 class Promise:
-    """What a plan promises, with the chance of each part.
+    """The chances that the parts of a plan hold: tanks, stays and launches.
 
     Attributes
     ----------
@@ -206,12 +206,12 @@ class Promise:
 
     @cached_property
     def tanks_chance(self) -> float:
-        """Chance that all tanks hold what their legs take."""
+        """Chance that all tanks suffice for their legs."""
         return math.prod(each.chance for each in self.tanks)
 
     @cached_property
     def least_chance(self) -> float:
-        """The least chance of a chaser to be in time somewhere."""
+        """The least chance, over all stays and launches, that a chaser is in time."""
         return min((each.chance for each in (*self.stays, *self.launches)), default=1.0)
 
     def keeps(self, confidence: float) -> bool:
@@ -267,7 +267,7 @@ def _stays(
 def _tanks(
     facts: MissionFacts, chaser: int, kits: int, hops: list[Hop], uncertainty: Uncertainty
 ) -> Iterator[TankChance]:
-    """The tanks of a chaser, one after the other."""
+    """The tanks of a chaser in order."""
     what = facts.chasers[chaser]
     mean_share, share_sigma = (1.0, 0.0)
     if uncertainty.tanks is not None:
@@ -304,7 +304,7 @@ def _spare(
     left: float,
     uncertainty: Uncertainty,
 ) -> float:
-    """What a tank has at its beginning beyond what its legs take on average [m/s].
+    """ΔV of a full tank beyond the mean ΔV of its legs [m/s].
 
     With cargo a metre per second more at the beginning is worth at least as much later, as the
     chaser becomes lighter: that much is on the safe side. Negative where it is not enough.

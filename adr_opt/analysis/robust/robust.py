@@ -1,4 +1,4 @@
-"""Plans that keep what they promise with a confidence (docs/model.md section 13.4).
+"""Robust plans, which hold with a required confidence (docs/model.md section 13.4).
 
 All tanks together hold what their legs take, and each stay and each launch is in time, with that
 confidence; and so much of the plan is kept when it is followed in drawn worlds, where one delay
@@ -46,7 +46,7 @@ WORLDS, FIRST_WORLD = 1000, 10**9
 """Number of worlds in which a plan is followed, and their first seed, far from those of users."""
 
 NEAR = 0.1
-"""Difference of two cautions below which none between them is tried."""
+"""Difference of two levels of caution below which none between them is tried."""
 
 
 def robust(  # noqa: PLR0913
@@ -63,7 +63,7 @@ def robust(  # noqa: PLR0913
     progress: Progress = silent,
     **method_options: Any,
 ) -> RobustPlan:
-    """Plan a mission so that the plan is kept with a confidence.
+    """Plan a mission so that the plan holds with a confidence.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def robust(  # noqa: PLR0913
 
 @dataclass(frozen=True)
 class _Made:
-    """A plan of the instance, with what it is worth and promises."""
+    """A plan of the instance, with its worth and its promise."""
 
     plan: Plan
     worth: float
@@ -113,7 +113,7 @@ class _Made:
 
     @property
     def rank(self) -> tuple[float, float]:
-        """The best plan is worth most, and takes least ΔV of those."""
+        """Rank of a plan: by worth, then by less ΔV."""
         return self.worth, -self.plan.delta_v_m_s
 
 
@@ -145,7 +145,7 @@ class _Search:
         self._best: _Made | None = None
 
     def run(self, progress: Progress) -> RobustPlan:
-        """Plan, first for a bound on all plans, then with shared risks."""
+        """Plan first for a bound on all plans, then with shared risks."""
         first = equal(self._confidence)
         result = self._result(first, FIRST_SHARE * self._wanted.time_limit, progress)
         upper = self._bound(result)
@@ -182,7 +182,7 @@ class _Search:
         )
 
     def _cautions(self, first: Levels, promise: Promise) -> Iterator[Levels]:
-        """Levels to plan with: shared risks, more of that until a plan is kept, then less."""
+        """Levels to plan with: shared risks, more caution until a plan holds, then less."""
         full = shared(self._confidence, promise)
         low, high, caution = 0.0, math.inf, 1.0
         for _ in range(MOST_ROUNDS):
@@ -197,11 +197,11 @@ class _Search:
             caution = 1.3 * caution if high == math.inf else 0.5 * (low + high)
 
     def _bound(self, result: Result) -> float:
-        """What a result proves of all plans that are kept."""
+        """Bound by a result on all plans that hold."""
         return result.upper_bound if self._is_bounded else math.inf
 
     def _is_over(self, upper: float) -> bool:
-        """Whether there is no time left, or nothing left to gain."""
+        """Whether no time is left, or nothing can be gained."""
         if self._end - now_s() <= 0.0 or (
             self._stop is not None and self._stop.remaining_s() <= 0.0
         ):
@@ -226,7 +226,7 @@ class _Search:
         return run(PLANNERS, problem, self._method, wanted, stop=self._stop, progress=progress)
 
     def _adopt(self, levels: Levels, result: Result) -> _Made | None:
-        """The plan of a result as one of the instance, which is kept if it keeps its promise."""
+        """Restate the plan of a result for the instance, and keep it if its promise holds."""
         if result.plan is None:
             self._rounds.append(Caution(levels, -math.inf, 0.0))
             return None
@@ -242,7 +242,7 @@ class _Search:
         return made
 
     def _kept(self, planned: Intended) -> float:
-        """Share of worlds in which a plan is kept that is followed."""
+        """Share of worlds in which a followed plan holds."""
         assert planned.plan is not None
         setting = Setting(self._facts.instance, planned.plan, self._uncertainty, "follow")
         worlds = range(FIRST_WORLD, FIRST_WORLD + WORLDS)

@@ -1,4 +1,4 @@
-"""A plan that keeps what it promises with a confidence, and how it was found."""
+"""A plan that holds with a required confidence, and how it was found."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .promise import Promise
 
 
 class Caution(NamedTuple):
-    """A plan on the way to the robust one.
+    """A plan tried in the search, with its level of caution.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Caution(NamedTuple):
 
 @dataclass(frozen=True)
 class RobustPlan:
-    """A plan that keeps what it promises with a confidence.
+    """A plan that holds with a required confidence.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class RobustPlan:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader has to know."""
+        """Notes on the confidence for readers of the plan."""
         notes = []
         if self.promise is not None:
             chances = f"all tanks hold with a chance of {self.promise.tanks_chance:.4g}"
@@ -92,7 +92,7 @@ class RobustPlan:
 
     @property
     def result(self) -> Result:
-        """The plan as the result of a planner; what is proven is not proven of all plans."""
+        """The plan as a planner's result; its bound covers only plans that hold as well."""
         plan, notes = self.plan, self.notes
         made = Result(self.method, seed=self.seed, runtime_s=self.runtime_s)
         status: Status = "infeasible" if self.infeasible else "unknown"

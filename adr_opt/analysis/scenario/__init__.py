@@ -1,4 +1,4 @@
-"""Scenarios: decades of campaigns in an environment that decays, breaks up and is launched into.
+"""Scenarios: decades of campaigns in an environment with decay, break-ups and launches.
 
 `scenario` runs futures with campaigns and without; `scenario_answer` has means over seeds as plain
 data, `removals_csv` and `yearly_csv` write tables for other programs. The equations are numbered in

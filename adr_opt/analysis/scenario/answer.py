@@ -1,4 +1,4 @@
-"""The answer of a scenario: means over seeds as plain data, and tables for other programs."""
+"""Results of a scenario: means over seeds as plain data, and tables for other programs."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ SUMS = (
     "decayed",
     "launched",
 )
-"""Numbers of a year."""
+"""Counts recorded for each year."""
 
 RUNNING = {"catastrophic": "catastrophic_before", "expected_fragments": "expected_fragments_before"}
-"""Expected numbers of a year → names of their sums over all years before."""
+"""Expected counts of a year → names of their sums over all years before."""
 
 TOLD = (*SUMS, *RUNNING.values())
-"""Numbers that are told of each year."""
+"""Counts reported for each year."""
 
 REMOVALS = (
     "year",
@@ -63,7 +63,7 @@ YEARLY = (
 
 
 def numbers_of(record: YearRecord) -> tuple[float, ...]:
-    """Numbers of a year under :data:`SUMS`."""
+    """Counts of a year by the names of :data:`SUMS`."""
     return (
         float(np.sum(record.objects)),
         math.fsum(record.fragments),
@@ -89,7 +89,7 @@ def mean_and_error(values: FLOAT) -> tuple[FLOAT, FLOAT | None]:
 
 
 def table_of(made: Scenario, case: str) -> FLOAT:
-    """Numbers of all futures under :data:`TOLD`, shape (seed, year + 1, number)."""
+    """Counts of all futures by the names of :data:`TOLD`, shape (seed, year + 1, count)."""
     table = np.array([[numbers_of(record) for record in each[case]] for each in made.futures])
     running = table[..., [SUMS.index(name) for name in RUNNING]]
     before = np.zeros_like(running)
@@ -135,7 +135,7 @@ def _told(table: FLOAT) -> dict[str, Any]:
 
 
 def _summed(table: FLOAT) -> dict[str, Any]:
-    """Sums over the years, without the state at the end."""
+    """Sums over the years, the final state excluded."""
     return {
         name: _pair(table[:, :-1, at].sum(axis=1))
         for at, name in enumerate(SUMS)
@@ -187,7 +187,7 @@ def _removals(each: Mapping[str, Sequence[YearRecord]]) -> list[tuple[int, int, 
 
 
 def removals_csv(made: Scenario, species: Mapping[str, str] = SPECIES) -> str:
-    """Removals by year, species and shell, as an environment model of shells takes them.
+    """Removals by year, species and shell, as input to a shell-based environment model.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def removals_csv(made: Scenario, species: Mapping[str, str] = SPECIES) -> str:
 
 
 def outside(made: Scenario) -> int:
-    """Number of removals outside all shells, of all seeds."""
+    """Number of removals outside all shells, summed over seeds."""
     last = made.start.settings.shells.count + 1
     every = [row for each in made.futures for row in _removals(each)]
     return sum(shell in (0, last) for _, _, shell in every)

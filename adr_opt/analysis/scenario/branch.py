@@ -1,4 +1,4 @@
-"""A future, year by year: with campaigns or without (docs/scenarios.md)."""
+"""One future, year by year, with or without campaigns (docs/scenarios.md)."""
 
 from __future__ import annotations
 
@@ -144,8 +144,8 @@ class Branch:
         )
         if known is not None and record != known:
             raise InputError(
-                f"year {year} of seed {self.seed}: the file of an earlier run has another one; "
-                "name another folder"
+                f"year {year} of seed {self.seed}: the file of an earlier run has a different "
+                "year; name another folder"
             )
         return record
 
@@ -201,7 +201,7 @@ class Branch:
         )
 
     def _take_on(self, flown: FlownCampaign | None) -> None:
-        """Removals of a campaign; one that was lost is repeated in the next year."""
+        """Register a campaign's removals; one that failed at launch is repeated the next year."""
         settings, year = self.start.settings, self.year
         if self.removes and year >= self.due:
             lost = flown is not None and flown.failed

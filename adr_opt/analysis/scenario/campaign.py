@@ -1,4 +1,4 @@
-"""Campaigns of a scenario: what is offered to one, and how it goes.
+"""Campaigns of a scenario: the targets offered to each, and its outcome.
 
 Its instance is the template, with the objects most worth removing that year. It is planned, flown
 with failures, and replanned after each.
@@ -67,12 +67,12 @@ FOLLOWS = Follower(
         "fixed planes",
     },
 )
-"""Campaigns of later years are planned by the model, on what is there then, of which no windows are
-known, and objects that are towed to a circle leave those that are counted above it."""
+"""Rules of campaigns in later years: they are planned by the model on the objects in orbit by then,
+without known windows; objects towed to a circle leave the population above it."""
 
 
 def check_template(template: Instance) -> None:
-    """Refuse an instance of which no campaigns of later years can be made.
+    """Refuse an instance from which campaigns of later years cannot be made.
 
     Raises
     ------
@@ -81,8 +81,8 @@ def check_template(template: Instance) -> None:
     refuse(template, FOLLOWS)
     if not template.targets:
         raise InputError(
-            f"--campaign {template.name!r}: no target says whether objects are visited, get a kit "
-            "or are towed; give one"
+            f"--campaign {template.name!r}: no target states a removal (visit, kit or tow); give "
+            "one"
         )
 
 
@@ -95,7 +95,7 @@ def offer(
     start_years: float,
     jobs: int,
 ) -> Offer:
-    """The instance of a campaign on what is there.
+    """The instance of a campaign on the objects in orbit.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def _orbit(row: np.ndarray[Any, np.dtype[np.float64]], true_anomaly: float) -> O
 def _instance(
     template: Instance, targets: tuple[Target, ...], year: int, start_years: float
 ) -> Instance:
-    """The template in a year: stations and starts are where J2 has taken their planes."""
+    """The template in a year, with planes of stations and starts drifted under J2."""
     since_s = YEAR_S * (start_years + year)
     epoch = template.epoch + timedelta(seconds=since_s)
     return template.replace(
@@ -208,7 +208,7 @@ def _instance(
 
 
 def drifted(orbit: Orbit, since_s: float) -> Orbit:
-    """An orbit whose node and perigee have drifted under J2; it holds its size and its phase."""
+    """An orbit after drift of its node and perigee under J2, with unchanged size and phase."""
     node, perigee, _ = secular_rates(
         orbit.semi_major_axis_m,
         orbit.eccentricity,
@@ -226,7 +226,7 @@ LEAST_S = 1e-3
 
 
 def fails(seed: int, year: int, chance: float) -> bool:
-    """Whether the campaign of a year is lost at its launch."""
+    """Whether the campaign of a year fails at launch."""
     drawn = keyed_draws(seed, year, CAMPAIGN_LOSSES, np.zeros(1, int))
     return chance > 0.0 and float(drawn[0]) < chance
 

@@ -38,7 +38,7 @@ GROUP = 5
 """Bins of area over mass in a ring."""
 
 LEAST_COUNT = 1e-3
-"""Number of fragments from which a ring is kept."""
+"""Least number of fragments of a ring."""
 
 
 class FragmentCloud(NamedTuple):
@@ -66,7 +66,7 @@ class FragmentCloud(NamedTuple):
 
 
 class FragmentRings(NamedTuple):
-    """Fragments in orbit as rings of alike ones, those of a cloud together.
+    """Fragments in orbit, grouped into rings of similar ones, cloud by cloud.
 
     Attributes
     ----------
@@ -172,7 +172,7 @@ COLLISIONS, EXPLOSIONS, EXPLOSION_TIMES, CAPTURES, CAMPAIGN_LOSSES, FRAGMENT_HIT
 """Kinds of draws."""
 
 MOST_HITS = 1000
-"""Collisions that a block of pairs may have in a year."""
+"""Maximum number of collisions of a block of pairs in a year."""
 
 
 Found = tuple[FLOAT, FLOAT]

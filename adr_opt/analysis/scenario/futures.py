@@ -1,4 +1,4 @@
-"""Futures: their common beginning, and their records year by year, as they stand in files."""
+"""Futures: their common start, and their records year by year, as stored in files."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class FlownCampaign(NamedTuple):
     attempts: tuple[Attempt, ...]
 
     def to_list(self) -> list[Any]:
-        """Itself as JSON data."""
+        """The campaign as JSON data."""
         return [*self[:-1], [list(each) for each in self.attempts]]
 
 
@@ -96,14 +96,14 @@ class Collision(NamedTuple):
 
 
 class Explosion(NamedTuple):
-    """A drawn explosion: when in the year, and of which object."""
+    """A drawn explosion: its time in the year, and its object."""
 
     time: float
     one: int
 
 
 class YearRates(NamedTuple):
-    """Expected numbers of a year.
+    """Expected counts of a year.
 
     Attributes
     ----------
@@ -160,7 +160,7 @@ class YearRecord:
     launched: int = 0
 
     def to_dict(self) -> dict[str, Any]:
-        """Itself as JSON data."""
+        """The year as JSON data."""
         return {
             **{name: getattr(self, name) for name in self.__dataclass_fields__},
             "campaign": None if self.campaign is None else self.campaign.to_list(),
@@ -183,7 +183,7 @@ def records_of(line: bytes) -> dict[str, YearRecord]:
     found, whole = validated(RECORDS, line), loaded(line)
     fields = YearRecord.__dataclass_fields__.keys()
     if whole.keys() != set(CASES) or any(whole[case].keys() != fields for case in CASES):
-        raise ValueError("a part is missing, or there is one more")
+        raise ValueError("a part is missing or superfluous")
     return {case: found[case] for case in CASES}
 
 
@@ -193,7 +193,7 @@ Future = dict[str, list[YearRecord]]
 
 @dataclass(frozen=True)
 class ScenarioStart:
-    """What all futures of a scenario have in common.
+    """The common start of all futures of a scenario.
 
     Attributes
     ----------

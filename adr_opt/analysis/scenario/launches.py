@@ -65,7 +65,7 @@ class Launch:
     every: int = 0
 
     def is_in(self, year: int) -> bool:
-        """Whether it takes place in a year."""
+        """Whether the launch takes place in a year."""
         since = year - self.year
         return since == 0 or (since > 0 and self.every > 0 and since % self.every == 0)
 
@@ -109,9 +109,7 @@ def _launch(cells: dict[str, str], where: str) -> Launch:
         every=int(every),
     )
     if launch.apogee < launch.perigee:
-        raise InputError(
-            f"{where}: apogee {launch.apogee:g} km is below the perigee; exchange them"
-        )
+        raise InputError(f"{where}: apogee {launch.apogee:g} km is below the perigee; swap them")
     if every != int(every):
         raise InputError(f"{where}: every = {cells['every']}: must be a whole number of years")
     return launch

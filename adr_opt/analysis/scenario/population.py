@@ -64,11 +64,11 @@ class ObjectPopulation:
         return np.array([KINDS.index(kind) for kind in self.bodies.kinds], dtype=np.int64)
 
     def kept(self, mask: MASK) -> ObjectPopulation:
-        """Those objects for which a mask is true."""
+        """The objects for which a mask is true."""
         return ObjectPopulation(self.numbers[mask], self.orbits[mask], part_of(self.bodies, mask))
 
     def without(self, gone: set[int]) -> ObjectPopulation:
-        """All but the objects of some numbers."""
+        """The population without the objects of given numbers."""
         return self.kept(~np.isin(self.numbers, sorted(gone))) if gone else self
 
     def joined(self, other: ObjectPopulation) -> ObjectPopulation:
@@ -87,13 +87,13 @@ class ObjectPopulation:
         )
 
     def by_shell(self, shells: AltitudeShells) -> INDICES:
-        """Numbers of objects, shape (kind, shells + 2): first those below, last those above."""
+        """Numbers of objects, shape (kind, shells + 2), from those below to those above."""
         found = np.zeros((len(KINDS), shells.count + 2), dtype=np.int64)
         np.add.at(found, (self.kinds, shells.numbers(self.altitudes_m)), 1)
         return found
 
     def a_year_later(self, activity: str, *, drag: bool) -> tuple[ObjectPopulation, INDICES]:
-        """Objects after a year of drag and J2, and the numbers of those that came down."""
+        """The population after a year of drag and J2, and numbers of the re-entered objects."""
         orbits = self.orbits.copy()
         ends = np.ascontiguousarray(orbits[:, :2])
         if drag:
@@ -120,7 +120,7 @@ def padded(ends: FLOAT) -> FLOAT:
 
 
 def part_of(bodies: Bodies, mask: MASK) -> Bodies:
-    """Those bodies for which a mask is true."""
+    """The bodies for which a mask is true."""
     places = np.flatnonzero(mask)
     columns: dict[str, Any] = {name: getattr(bodies, name)[mask] for name in ARRAYS}
     for name in TUPLES:
@@ -129,7 +129,7 @@ def part_of(bodies: Bodies, mask: MASK) -> Bodies:
 
 
 def population_of(bodies: Bodies, epoch: datetime) -> tuple[ObjectPopulation, dict[str, int]]:
-    """Objects of a catalogue at an epoch, by SGP4, and how many were left out for which reason.
+    """Objects of a catalogue at an epoch, by SGP4, and the number left out for each reason.
 
     Raises
     ------
@@ -147,8 +147,8 @@ def population_of(bodies: Bodies, epoch: datetime) -> tuple[ObjectPopulation, di
     left_out["decayed"] += int(np.isfinite(axis).sum() - there.sum())
     if there.sum() < 2:
         raise InputError(
-            f"{int(there.sum())} objects in orbit at the epoch: collisions take two; give a larger "
-            "catalogue"
+            f"{int(there.sum())} objects in orbit at the epoch: a collision needs two; give a "
+            "larger catalogue"
         )
     orbits = np.column_stack((ends, elements[:, 2:6]))
     orbits[:, NODE:] %= 2.0 * math.pi

@@ -13,7 +13,7 @@ from ...problem.air import ACTIVITIES, FLOAT
 from ...sources.worth.worth import MOST_YEARS, check_years
 
 KINDS = ("payload", "rocket body", "debris")
-"""Species of objects, in the order of all tables; fragments of drawn events are one more."""
+"""Species of objects, in the order of all tables; fragments of drawn events come after them."""
 
 FRAGMENTS = "fragment"
 
@@ -134,7 +134,7 @@ class ScenarioSettings:
             ("--campaign-failure", self.campaign_failure),
         ):
             if not 0.0 <= chance <= 1.0:
-                raise InputError(f"{option} {chance:g}: a chance is between 0 and 1")
+                raise InputError(f"{option} {chance:g}: must be a chance between 0 and 1")
         if not self.time_limit_s > 0.0:
             raise InputError(f"--time-limit {self.time_limit_s:g}: must be positive")
 

@@ -30,10 +30,10 @@ from .population import population_of
 from .settings import ScenarioSettings
 
 PLANS = "plans"
-"""Folder of instances and plans."""
+"""Subfolder of campaigns' instances and plans."""
 
 FILE = "years.jsonl"
-"""File of all years of all seeds."""
+"""Name of the file with all years of all seeds."""
 
 Records = dict[str, YearRecord]
 """The records of a year, by case."""
@@ -47,7 +47,7 @@ class Year(NamedTuple):
 
 
 class Years:
-    """Years of a scenario, each after those before it.
+    """Years of a scenario, each computed after the previous ones.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Years:
         return Years, (self._start, self._folder, self._threads, self.known)
 
     def study(self) -> Study[Year, Records]:
-        """The study of which they are rows."""
+        """The study whose rows are these years."""
         return Study(
             "scenario",
             1,
@@ -89,12 +89,12 @@ class Years:
         )
 
     def row(self, key: Year, place: Place) -> Records:
-        """Both cases of a year."""
+        """The records of a year in both cases."""
         self.go_to(key, place)
         return self._live(None, place)
 
     def go_to(self, key: Year, place: Place) -> None:
-        """Live through all years of a seed before one.
+        """Simulate all years of a seed before a given one.
 
         Raises
         ------
@@ -138,14 +138,14 @@ class Years:
             folder.mkdir(exist_ok=True)
         except OSError as error:
             raise InputError(
-                f"{folder}: cannot be made ({error.strerror or error}); name another folder"
+                f"{folder}: cannot be created ({error.strerror or error}); name another folder"
             ) from error
         stem = f"seed-{self._at.seed}-year-{year}"
         write_both(folder / f"{stem}.plan.json", plan, folder / f"{stem}.json", instance)
 
 
 def file_in(folder: str | os.PathLike[str]) -> Path:
-    """The file of years in a folder, which is made.
+    """The file of years in a folder, which is created if missing.
 
     Raises
     ------
@@ -161,14 +161,14 @@ def file_in(folder: str | os.PathLike[str]) -> Path:
         ) from error
     if not path.exists() and (path.parent / "seed-0.jsonl").exists():
         raise InputError(
-            f"{folder}: has files of adr-opt 1.0, which this version does not go on with; name "
-            "another folder"
+            f"{folder}: has files of adr-opt 1.0, which this version cannot resume; name another "
+            "folder"
         )
     return path
 
 
 def digests_of(start: ScenarioStart) -> dict[str, str | None]:
-    """SHA-256 of all that futures depend on, but for the number of seeds and versions."""
+    """SHA-256 of everything on which futures depend, except the number of seeds and versions."""
     settings = start.settings.to_dict()
     del settings["seeds"]
     population, template = start.population, start.template
@@ -238,7 +238,7 @@ def scenario(
         check_template(template)
     spec_of(settings.method)
     if not len(bodies):
-        raise InputError("0 objects in orbit: collisions take two; give a larger catalogue")
+        raise InputError("0 objects in orbit: a collision needs two; give a larger catalogue")
     epoch = epoch or max(record.epoch for record in bodies.records)
     population, left_out = population_of(bodies, epoch)
     start = ScenarioStart(population, epoch, template, tuple(launches), settings)

@@ -39,25 +39,25 @@ SAMPLE_S = 60.0
 """Largest time between samples of the sieve."""
 
 WOBBLE_M = 40_000.0
-"""By which radii of SGP4 leave the shell of its mean elements at most."""
+"""Largest excursion of an SGP4 radius from the shell of its mean elements [m]."""
 
 TIDE_1_S2 = 3e-6
 """Bound on the relative acceleration of two objects in low orbit, for each metre between them."""
 
 SAGITTA_M = 5_000.0
-"""By which radii leave those of samples a minute apart, of orbits of eccentricity 0.1 at most."""
+"""Largest excursion of a radius between samples a minute apart, up to eccentricity 0.1 [m]."""
 
 CHUNK = 200
-"""Objects that are propagated at once: 70 MB for a day."""
+"""Number of objects propagated at once: 70 MB for a day."""
 
 NEAR_S = 0.5
-"""Distance of the positions that a least distance is interpolated from."""
+"""Spacing of the positions from which a least distance is interpolated [s]."""
 
 PRECISION_S = 1e-4
-"""To which times of least distance are found."""
+"""Precision of the times of least distance [s]."""
 
 SHORT_M_S = 100.0
-"""Relative speed from which an encounter is short: straight, and over before anything turns."""
+"""Relative speed above which an encounter counts as short: relative motion is straight."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class CloseApproach:
     states: tuple[tuple[float, ...], tuple[float, ...]]
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON data."""
+        """The approach as JSON data."""
         content = asdict(self)
         del content["states"]
         return content
@@ -242,7 +242,7 @@ class Screening:
 
 
 def _meetings(objects: _Objects, arc: FlownArc, distance_m: float) -> Iterator[tuple[int, float]]:
-    """Numbers of objects and times of least distances up to a limit."""
+    """Numbers of objects, and times of least distances below a limit."""
     if objects.records:
         begin, end = float(arc.times_s[0]), float(arc.times_s[-1])
         pieces = max(1, math.ceil((end - begin) / DAY_S))
@@ -297,7 +297,7 @@ def _possible(
 def _least(
     objects: _Objects, arc: FlownArc, row: int, span_s: tuple[float, float]
 ) -> tuple[float, float]:
-    """Time and value of the least distance in a span, whose rate changes sign once at most."""
+    """Time and value of the least distance in a span where its rate changes sign at most once."""
 
     def apart(time_s: float) -> Array:
         state: Array = objects.state(row, time_s) - arc.at(np.array([time_s]))[0]

@@ -1,4 +1,4 @@
-"""Planning around conjunctions: what of a screening must not be flown."""
+"""Planning around conjunctions: the legs that a screening forbids."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def avoiding(
     errors: Mapping[str, PositionErrors] | None = None,
     within_m: float = DISTANCE_M,
 ) -> Callable[[RefinedPlan], tuple[Unsafe, ...]]:
-    """What :func:`adr_opt.solve_refined` avoids: near approaches of the objects of a catalogue.
+    """Close approaches of catalogued objects, for :func:`adr_opt.solve_refined` to avoid.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def avoiding(
     if instance.frame is None:
         raise InputError(f"{instance.name!r} has no frame; make it with import")
     if math.isfinite(most_probability) and not errors:
-        raise InputError("a probability of collision follows from errors of positions; give them")
+        raise InputError("a probability of collision needs position errors; give them")
     asked_m = max(avoid_m, within_m) if errors else avoid_m
     screening = Screening(instance, records, asked_m, errors or {})
 

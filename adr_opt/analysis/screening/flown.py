@@ -19,7 +19,7 @@ from ...sources.ephemerides.ephemeris import TurningAxes
 Array = npt.NDArray[np.float64]
 
 STEP_S = 20.0
-"""Largest distance of the states of an arc; cubics between them are right to 5 mm."""
+"""Largest interval between states of an arc; cubics between them are accurate to 5 mm [s]."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +76,8 @@ def flown_arcs(instance: Instance, refined: RefinedPlan) -> Iterator[FlownArc]:
     frame = instance.frame
     if frame is None:
         raise InputError(
-            f"{instance.name!r} has no frame, so that nobody knows where objects of a catalogue "
-            "are; make it with import"
+            f"{instance.name!r} has no frame, so that objects of a catalogue cannot be placed; "
+            "make it with import"
         )
     bodies, axes = Whereabouts.of(instance, refined), TurningAxes(instance.epoch, frame)
     legs = {leg.leg: leg for leg in refined.legs}
@@ -92,7 +92,7 @@ def flown_arcs(instance: Instance, refined: RefinedPlan) -> Iterator[FlownArc]:
 
 
 def _of_date(axes: TurningAxes, times_s: Array, states: Array) -> Array:
-    """States in TEME of date, whose axes turn by an arc second a week."""
+    """States in TEME of date, whose axes turn by an arcsecond a week."""
     matrices = np.empty((times_s.size, 3, 3))
     for column, unit in enumerate(np.eye(3)):
         matrices[:, :, column] = axes.turned(np.tile(unit, (times_s.size, 2)), times_s)[:, :3]

@@ -44,7 +44,10 @@ def conjunction_message(approach: CloseApproach, errors: Mapping[str, PositionEr
     for role, of_it in names.items():
         found = errors_of(errors, *of_it)
         if found is None:
-            raise InputError(f"{of_it[0]!r}: its errors are not known, which a message must state")
+            raise InputError(
+                f"{of_it[0]!r}: its position errors are unknown, but a message must state them; "
+                "give them"
+            )
         known[role] = found
     return "\n".join(_lines(approach, known)) + "\n"
 

@@ -1,4 +1,4 @@
-"""How well positions are known: covariances and sizes, from a file."""
+"""Position errors: covariances and sizes of objects, from a file."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from ...sources.csv_table import named_numbers
 Array = npt.NDArray[np.float64]
 
 COLUMNS = ("object", "radius_m", "cr_r_m2", "ct_r_m2", "ct_t_m2", "cn_r_m2", "cn_t_m2", "cn_n_m2")
-"""Columns of a file of position errors; covariances as a table of target errors has them."""
+"""Columns of a file of position errors; covariances as in a table of target errors."""
 
 EVERYBODY = "*"
-"""Name of the row for objects without one of their own."""
+"""Name of the row for objects without a row of their own."""
 
 
 @dataclass(frozen=True)
 class PositionErrors:
-    """How well the position of an object is known, and how large it is.
+    """Position covariance and radius of an object.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class PositionErrors:
 
 
 def orbital_axes(state: Array) -> Array:
-    """Directions radial, along and of the angular momentum as rows, shape (3, 3)."""
+    """Unit vectors radial, along-track and along the angular momentum as rows, shape (3, 3)."""
     radial = state[:3] / np.linalg.norm(state[:3])
     momentum = np.cross(state[:3], state[3:])
     cross = momentum / np.linalg.norm(momentum)
@@ -53,7 +53,7 @@ def orbital_axes(state: Array) -> Array:
 
 
 def errors_of(errors: Mapping[str, PositionErrors], *names: str | None) -> PositionErrors | None:
-    """The errors of an object by the first of its names that is known, or everybody's."""
+    """The errors of an object by its first known name, else those of the default row."""
     found = (errors[name] for name in (*names, EVERYBODY) if name is not None and name in errors)
     return next(found, None)
 

@@ -10,13 +10,13 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 SPREAD = 12.0
-"""Standard deviations beyond which nothing is left of a normal distribution."""
+"""Standard deviations beyond which a normal distribution is negligible."""
 
 PRECISION = 1e-10
-"""Relative, of the integral."""
+"""Relative precision of the integral."""
 
 NOTHING = 1e-30
-"""A probability that needs no precision."""
+"""Probability below which precision does not matter."""
 
 
 def collision_probability(

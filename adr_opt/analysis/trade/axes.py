@@ -16,7 +16,7 @@ from ...problem.instance import Instance
 YEAR_S = 365.25 * DAY_S
 
 MOST_POINTS = 10_000
-"""Maximum number of points; more are taken for a typing error."""
+"""Maximum number of points; more must be a typing error."""
 
 
 class PointLimits(NamedTuple):
@@ -205,7 +205,7 @@ def grid(instance: Instance, axes: Sequence[Axis]) -> list[PointLimits]:
 def _drives(
     instance: Instance, by_kind: dict[str, Axis]
 ) -> Iterator[tuple[float | None, float | None]]:
-    """All combinations of thrust and specific impulse; None for what stays."""
+    """All combinations of thrust and specific impulse; None if unchanged."""
     varied = [kind for kind in ("thrust", "isp") if kind in by_kind]
     if varied and not instance.has_low_thrust:
         raise InputError(
@@ -213,7 +213,8 @@ def _drives(
         )
     if "isp" in by_kind and "propellant" in by_kind:
         raise InputError(
-            "vary isp or propellant: points are told apart by the ΔV of a tank, which both change"
+            "vary isp or propellant: points are identified by the ΔV of a tank, which both change; "
+            "vary one of them"
         )
     thrusts, impulses = (
         by_kind[kind].values if kind in by_kind else (None,) for kind in ("thrust", "isp")
@@ -252,7 +253,7 @@ def tanks_of(instance: Instance, axes: Sequence[Axis]) -> Tanks:
     """
     by_kind = {axis.kind: axis for axis in axes}
     if "delta-v" in by_kind and "propellant" in by_kind:
-        raise InputError("vary delta-v or propellant: they are two ways to say what is in a tank")
+        raise InputError("vary delta-v or propellant, not both: each states the content of a tank")
     if "delta-v" in by_kind:
         for chaser in instance.chasers:
             if counts_masses(instance) and isinstance(chaser.tank, TankByMass):
@@ -266,7 +267,7 @@ def tanks_of(instance: Instance, axes: Sequence[Axis]) -> Tanks:
         if any(station.max_propellant_kg is not None for station in instance.stations):
             raise InputError(
                 "vary propellant: a station has a max_propellant_kg, of which larger tanks take "
-                "more, so that points say nothing of each other; leave the limit out"
+                "more, so that points cannot be compared; leave the limit out"
             )
         values = by_kind["propellant"].values
         largest_m_s = [

@@ -78,12 +78,12 @@ FOLLOWS = Follower(
     - {"cost", "expense", "prizes that fall", "limited propellant"},
     "leave it or the frontier out",
 )
-"""A frontier is one of ΔV against the last day: whoever is done sooner may neither collect less nor
-take more of what others need."""
+"""Rules followed by frontiers of ΔV against the last day: finishing sooner must neither reduce the
+prize nor use more of a shared supply."""
 
 
 def check_frontier(instance: Instance, axes: Sequence[Axis] = ()) -> None:
-    """Refuse instances without a frontier of ΔV against the last day.
+    """Refuse instances for which no frontier of ΔV against the last day is defined.
 
     Raises
     ------
@@ -219,7 +219,7 @@ def _kept(ends: list[Ending], resolution_m_s: float) -> list[Ending]:
 
 
 def write_frontier(path: str | os.PathLike[str], endings: Iterable[Ending]) -> None:
-    """Write the CSV file completely or not at all; the last day counts from 0 in the mission."""
+    """Write the CSV file completely or not at all; the last day counts from the mission's start."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)

@@ -1,4 +1,4 @@
-"""Plans of the points of a trade-off, each with the instance that it belongs to."""
+"""Plans of the points of a trade-off, each with its instance."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .points import Point, Tradeoff
 from .shared import Shared
 
 METHOD = "tradeoff"
-"""Method of plans that points have from their neighbours."""
+"""Method stated in plans that points take over from their neighbours."""
 
 
 def plans_of(made: Tradeoff) -> Iterator[tuple[int, Instance, Plan]]:

@@ -30,10 +30,10 @@ from .points import Point
 from .shared import Shared
 
 METHOD = "from-file"
-"""Method of plans made here, which are internal."""
+"""Method stated in internal plans."""
 
 INFEASIBLE = "infeasible"
-"""What stands for the bound of a point without any plan."""
+"""Placeholder for the bound of a point without any plan."""
 
 
 class PointRun(NamedTuple):
@@ -60,7 +60,7 @@ class PointRun(NamedTuple):
 
 @dataclass(frozen=True)
 class PointRuns:
-    """All that runs at the points of an instance have in common.
+    """Common data of all runs at the points of an instance.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class PointRuns:
     seed: int
 
     def study(self, method: str) -> Study[PointRun, Point]:
-        """The study of which they are rows.
+        """The study whose rows are these runs.
 
         Parameters
         ----------
@@ -115,7 +115,7 @@ class PointRuns:
         return Shared(self.instance, self.longest_s, tanks=self.tanks)
 
     def row(self, run: PointRun, place: Place) -> Point:
-        """What a planner finds at a point."""
+        """Result of a planner at a point."""
         began, cpu_began = time.perf_counter(), time.process_time()
         method, known = run
         problem = self.shared.problem(known.limits)
@@ -166,7 +166,7 @@ class PointRuns:
         stated = -math.inf if bound == INFEASIBLE else math.inf if bound is None else float(bound)
         runtime_s, cpu_s = float(row["runtime_s"]), float(row["cpu_s"])
         if math.isnan(stated) or not (0.0 <= runtime_s < math.inf and 0.0 <= cpu_s < math.inf):
-            raise ValueError("no numbers of a row")
+            raise ValueError("the fields of the row are not numbers")
         problem = self._flown_alone.problem(run.known.limits)
         bound = min(stated, problem.total_prize)
         routes = tuple(tuple(route) for route in routes)
@@ -235,7 +235,7 @@ def _plan(routes: tuple[tuple[str, ...], ...], problem: Problem) -> Plan:
     ask_few(problem)
     plan = certify_routes(problem, METHOD, routes, seed=0, runtime_s=0.0).plan
     if plan is None:
-        raise InputError("the routes are no plan, as a required target or the end is missing")
+        raise InputError("the routes do not form a plan: a required target or the end is missing")
     admitted = admit(problem.instance, plan, unjudged=True)
     if not admitted.holds:
         raise InputError(f"the routes cannot be flown: {admitted.violations[0]}")

@@ -64,7 +64,7 @@ class Point(Shown):
     isp_s: float | None = None
 
     def value(self, kind: str) -> float:
-        """Its limit of a kind, in SI units."""
+        """A limit of the point, in SI units."""
         value = {
             "delta-v": self.delta_v_m_s,
             "duration": self.duration_s,
@@ -77,23 +77,23 @@ class Point(Shown):
 
     @property
     def limits(self) -> PointLimits:
-        """Its position in the grid."""
+        """Position of the point in the grid."""
         return PointLimits(self.delta_v_m_s, self.duration_s, self.thrust_n, self.isp_s)
 
     @property
     def proven(self) -> bool:
-        """Whether its best known plan is proven to collect the most."""
+        """Whether the point's best known plan is proven to collect the most."""
         return meets(self.prize, self.upper_bound)
 
     @property
     def status(self) -> str:
-        """Its status, as in plans."""
+        """Status of the point, as in plans."""
         if self.prize == -math.inf:
             return "infeasible" if self.upper_bound == -math.inf else "unknown"
         return "optimal" if self.proven else "feasible"
 
     def beats(self, other: Point) -> bool:
-        """Whether its plan collects more than another's, or as much at less cost."""
+        """Whether the point's plan collects more than another's, or as much at less cost."""
         if self.prize != other.prize:
             return self.prize > other.prize
         return self.cost < other.cost
@@ -217,7 +217,7 @@ class KnownPoints:
                 )
 
     def counts(self, smaller: PointLimits, larger: PointLimits) -> bool:
-        """Whether every plan of the smaller point is also one of the larger."""
+        """Whether every plan of the smaller point is also a plan of the larger."""
         if smaller[2:] != larger[2:]:
             return False
         if smaller[0] == larger[0]:

@@ -1,4 +1,4 @@
-"""Trade-offs: a study of the points of some axes, in which each run is chosen by what is known."""
+"""Trade-offs: a study of the points of some axes, each run chosen from what is known so far."""
 
 from __future__ import annotations
 
@@ -143,8 +143,8 @@ def _take_in(
                 board.add(point)
             except Impossible:
                 raise InputError(
-                    f"{path}: a bound of the file lies below what a plan of it collects, so that "
-                    "one of the two was changed; name another file"
+                    f"{path}: a bound in the file is below the prize of one of its plans, so one "
+                    "of the two was changed; name another file"
                 ) from None
             ran[method].add(limits)
 

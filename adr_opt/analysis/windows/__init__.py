@@ -1,4 +1,4 @@
-"""When targets may be captured: intervals of light, of the Sun's angle, and of ground contacts."""
+"""Capture windows of targets, from sunlight, the Sun's angle and ground contacts."""
 
 from .conditions import CaptureConditions, windows_of
 from .stations import STATIONS, GroundStation, read_stations

@@ -1,4 +1,4 @@
-"""Intervals in which targets may be captured, by light, the Sun's angle, contacts and files.
+"""Capture windows of targets, from sunlight, the Sun's angle, contacts and files.
 
 The Sun is that of the low-precision formulas of the Astronomical Almanac, the Earth that shades a
 sphere. Ground stations stand on the ellipsoid and turn with the mean sidereal time of 1982.
@@ -27,10 +27,10 @@ from .intervals import Array, common, positive, shrunk
 from .stations import GroundStation
 
 SUN_RADIUS_RAD = math.radians(0.2666)
-"""Half of the Sun's apparent diameter, in the mean of a year."""
+"""Apparent radius of the Sun, yearly mean [rad]."""
 
 STEP_S = 20.0
-"""Distance of samples: several in each pass, whose edges and culmination are found between them."""
+"""Spacing of samples: several per pass, between which edges and culmination are found [s]."""
 
 FOLLOWS = Follower("capture windows", JUDGED)
 
@@ -42,7 +42,7 @@ States = Callable[[str, Array], tuple[Array, Array]]
 
 @dataclass(frozen=True)
 class CaptureConditions:
-    """What has to hold for the whole time of a capture.
+    """Conditions that must hold throughout a capture.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ def windows_of(
 
 
 class _Sky:
-    """The Sun and ground stations as targets of an instance see them."""
+    """The Sun and ground stations as seen from the targets of an instance."""
 
     def __init__(self, instance: Instance, states: States) -> None:
         self._states = states
@@ -141,7 +141,7 @@ class _Sky:
         self._greenwich_rad = sidereal_angle_rad(epoch)
 
     def conditions(self, name: str, asked: CaptureConditions) -> Iterator[Function]:
-        """What has to be positive in light, and at the Sun's angle [rad]."""
+        """Functions that are positive in sunlight, and at the required angle of the Sun [rad]."""
 
         def light(times: Array) -> Array:
             positions, _ = self._of_date(name, times)
@@ -183,7 +183,7 @@ class _Sky:
 
 
 def _angles(one: Array, other: Array) -> Array:
-    """Angles between vectors, the second ones of length one [rad]."""
+    """Angles between vectors, of which the second are of unit length [rad]."""
     cosines = np.sum(one * other, axis=1) / np.linalg.norm(one, axis=1)
     angles: Array = np.arccos(np.clip(cosines, -1.0, 1.0))
     return angles

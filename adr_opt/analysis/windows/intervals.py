@@ -1,4 +1,4 @@
-"""Intervals of time: where a function is positive, and what several lists have in common.
+"""Intervals of time: where a function is positive, and intersections of lists.
 
 A list of intervals is an array of shape (intervals, 2), of beginnings and ends [s], ascending and
 without overlaps.
@@ -15,13 +15,13 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 PRECISION_S = 1e-3
-"""To which edges are found."""
+"""Precision of the edges of intervals [s]."""
 
 
 def positive(
     function: Callable[[Array], Array], begin_s: float, end_s: float, step_s: float
 ) -> Array:
-    """Where a smooth function of time is positive.
+    """Intervals in which a smooth function of time is positive.
 
     Extremes between samples are looked for, so that no interval is missed for being shorter than a
     step, as long as the function has no two extremes within one.
@@ -63,7 +63,7 @@ def positive(
 
 
 def _peaks(function: Callable[[Array], Array], sign: float, low: Array, high: Array) -> Array:
-    """Times of the largest values, or with −1 the least, between others."""
+    """Times of maxima, or of minima with sign −1, in brackets."""
     while low.size and float((high - low).max()) > PRECISION_S:
         third = (high - low) / 3.0
         left = sign * function(low + third) > sign * function(high - third)
@@ -74,7 +74,7 @@ def _peaks(function: Callable[[Array], Array], sign: float, low: Array, high: Ar
 def _crossings(
     function: Callable[[Array], Array], low: Array, high: Array, was_open: npt.NDArray[np.bool_]
 ) -> Array:
-    """Times between others at which the sign changes."""
+    """Times of sign changes in brackets."""
     while low.size and float((high - low).max()) > PRECISION_S:
         middle = 0.5 * (low + high)
         same = (function(middle) > 0.0) == was_open
@@ -83,7 +83,7 @@ def _crossings(
 
 
 def common(one: Array, other: Array) -> Array:
-    """Times in both of two lists."""
+    """Intersection of two lists of intervals."""
     first = np.searchsorted(other[:, 1], one[:, 0], side="right")
     after = np.searchsorted(other[:, 0], one[:, 1], side="left")
     counts = np.maximum(after - first, 0)
@@ -94,13 +94,13 @@ def common(one: Array, other: Array) -> Array:
 
 
 def shrunk(intervals: Array, margin_s: float) -> Array:
-    """Intervals that begin later and end sooner, as far as any of them is left."""
+    """Intervals shortened at both ends; those that vanish are dropped."""
     kept = intervals[:, 1] - intervals[:, 0] > 2.0 * margin_s
     left: Array = intervals[kept] + np.array([margin_s, -margin_s])
     return left
 
 
 def lasting(intervals: Array, least_s: float) -> Array:
-    """Those intervals that last a time at least."""
+    """The intervals of at least some duration."""
     kept: Array = intervals[intervals[:, 1] - intervals[:, 0] >= least_s]
     return kept

@@ -18,7 +18,7 @@ COLUMNS = ("name", "latitude_deg", "longitude_deg", "altitude_m")
 
 @dataclass(frozen=True)
 class GroundStation:
-    """A place on the ground.
+    """A ground station.
 
     Attributes
     ----------
