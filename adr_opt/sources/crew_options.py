@@ -142,7 +142,7 @@ def _option(name: str) -> str:
 
 
 DELTA_V_M_S = 3000.0
-"""Default ΔV of a full tank."""
+"""Default ΔV of a full tank [m/s]."""
 
 
 class CrewOptions(NamedTuple):
@@ -195,7 +195,9 @@ class CrewOptions(NamedTuple):
             ("--launch-into", self.launch_into),
         ):
             if value is not None and self.launches is None:
-                raise InputError(f"{option}: nothing is launched; say how often with --launches")
+                raise InputError(
+                    f"{option}: nothing is launched; give the number of launches with --launches"
+                )
         fitting = self.fitting
         fitting.check()
         self._check_thrust()
@@ -223,7 +225,7 @@ class CrewOptions(NamedTuple):
         )
 
     def _start(self) -> LaunchedInto | Literal["anywhere"]:
-        """Where launches lead."""
+        """Start of the chasers by the options of launches."""
         from pydantic import ValidationError
 
         from ..common.sentences import sentence
@@ -231,7 +233,7 @@ class CrewOptions(NamedTuple):
 
         if self.launch_into is None:
             if self.launcher is not None:
-                raise InputError("--launcher: onto which orbit? Give --launch-into as well")
+                raise InputError("--launcher: no orbit to launch into; give --launch-into as well")
             return "anywhere"
         said = [] if self.launcher is None else self.launcher.split(",")
         try:
@@ -258,7 +260,7 @@ class CrewOptions(NamedTuple):
 
         if self.thrust is None:
             if self.duty_cycle is not None:
-                raise InputError("--duty-cycle: of no thrust; give --thrust, or leave it out")
+                raise InputError("--duty-cycle: there is no thrust; give --thrust, or leave it out")
             return
         if not 0.0 < self.thrust <= LARGEST_THRUST_N:
             raise InputError(
@@ -323,7 +325,7 @@ class CrewOptions(NamedTuple):
             if not (sign and said):
                 raise InputError(f"--deadline {text!r}: give an object and days, OBJECT=DAYS")
             if said in found:
-                raise InputError(f"--deadline {text!r}: {said} has one already")
+                raise InputError(f"--deadline {text!r}: {said} already has one")
             found[said] = deadline_s
         wishes = () if self.prizes_path is None else read_wishes(self.prizes_path)
         return Demands(found, self.required, self.musts, self.excluded, wishes)

@@ -60,7 +60,7 @@ def csv_number(text: str, where: str) -> float:
 
 
 def named_numbers(path: str, columns: Sequence[str]) -> Iterator[tuple[str, str, list[float]]]:
-    """The rows of a file of names and numbers: place, name and numbers of each.
+    """The rows of a file of names and numbers, each as place, name and numbers.
 
     Raises
     ------

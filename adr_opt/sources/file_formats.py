@@ -1,4 +1,4 @@
-"""Formats of files, which show in their beginnings, and the parser of XML messages.
+"""Detection of file formats by their first bytes, and the parser of XML messages.
 
 The parser of the standard library is used directly because it knows line numbers, and because a
 document type, which a message never has and which entity bombs need, can be refused as soon as it
@@ -16,11 +16,11 @@ UTF_16 = b"\xff\xfe", b"\xfe\xff"
 """Byte order marks of texts in UTF-16."""
 
 HEAD = 4096
-"""Number of bytes in which a format shows."""
+"""Number of bytes by which a format is detected."""
 
 
 def head_of(data: bytes) -> str:
-    """The beginning of a text by its byte order mark, blanks before it left out.
+    """The beginning of a text, decoded by its byte order mark, without leading blanks.
 
     Bytes that are no UTF-8 become replacement characters: they spoil the row in which they stand,
     or XML says in which encoding they are.
@@ -30,21 +30,21 @@ def head_of(data: bytes) -> str:
 
 
 def ephemeris_format(head: str) -> str:
-    """What ephemerides other than OEM begin so, with its article; empty if none do."""
+    """Format of an ephemeris other than OEM, from its beginning, with its article; or empty."""
     if head[:6].lower() == "stk.v.":
         return "an STK ephemeris"
     return "a Modified ITC ephemeris" if "ephemeris_start:" in head[:300] else ""
 
 
 ANYWAY = ("utf-8", "utf-16", "us-ascii", "iso-8859-1")
-"""Encodings that the parser knows itself; of others it asks for a table of 256 characters."""
+"""Encodings that the XML parser knows; for others it requests a table of 256 characters."""
 
 
 class XmlReader:
-    """Takes part in parsing; what begins, ends or is said is for its subclasses to hear."""
+    """Base of readers of XML messages, whose subclasses handle elements and text."""
 
     def attach(self, parser: expat.XMLParserType) -> None:
-        """Hear what a parser finds."""
+        """Register the reader's methods with a parser."""
         self.parser = parser
         parser.StartElementHandler = self.open
         parser.EndElementHandler = self.close
@@ -61,7 +61,7 @@ class XmlReader:
 
 
 def new_parser(source: str, message: str) -> expat.XMLParserType:
-    """A parser that refuses what no message has.
+    """A parser that refuses document types and unknown encodings.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 LEAST_STEP_DAYS = 0.01
-"""Least step of the grid of long transfers; smaller ones are taken for typing errors."""
+"""Least step of the grid of long transfers; smaller ones must be typing errors [s]."""
 
 
 class MissionOptions(NamedTuple):
@@ -73,10 +73,10 @@ class MissionOptions(NamedTuple):
         transfer |= {"approach": self.approach, "keep_out_m": self.keep_out}
         if thrust and (self.dynamics != "j2" or self.max_drift_days == 0.0):
             raise InputError(
-                "--thrust: such transfers drift; leave --dynamics j2 and --max-drift-days"
+                "--thrust: low-thrust transfers drift; keep --dynamics j2 and --max-drift-days"
             )
         if fitted_by is not None and self.dynamics != "j2":
-            raise InputError(f"{fitted_by}: orbits are fitted under J2; leave --dynamics j2")
+            raise InputError(f"{fitted_by}: orbits are fitted under J2; keep --dynamics j2")
         return MissionOutline(
             epoch=None if self.epoch is None else parse_epoch(self.epoch),
             duration_s=DAY_S * days,
@@ -150,7 +150,7 @@ def parse_epoch(text: str) -> datetime:
 
 
 def check_objects(names: Iterable[str], max_targets: int | None) -> None:
-    """Refuse names that choose nothing, and a number of targets that is none.
+    """Refuse empty names and a number of targets below 1.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ _FIELD = re.compile(r"^(?:\w+: )?(?:field |the file )?(?:[\w\[\]]+\.)*(\w+)((?:\
 
 
 def by_option(said: str) -> str:
-    """A message about a field of an instance, beginning with the option that fills it."""
+    """A message about a field of an instance, reworded to begin with the option that fills it."""
     found = _FIELD.match(said)
     if found is None or found[1] not in OPTIONS:
         return said
@@ -210,7 +210,7 @@ def by_option(said: str) -> str:
 
 @contextmanager
 def naming_options() -> Iterator[None]:
-    """Reword errors raised within it by :func:`by_option`."""
+    """Context in which errors are reworded by :func:`by_option`."""
     try:
         yield
     except InputError as error:

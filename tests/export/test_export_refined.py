@@ -202,10 +202,10 @@ def test_the_shell_writes_refined_plans_in_every_format(cli: Cli, tmp_path: Path
     )
     gap.save("gap.json")
     for plan, out, more, said in (
-        ("refined.json", "b.opm", ("--body", one.bodies[0].name), "a body makes no burns"),
+        ("refined.json", "b.opm", ("--body", one.bodies[0].name), "makes no burns"),
         ("refined.json", "b.script", ("--frame", "TEME"), "GMAT has no such axes"),
-        ("gap.json", "b.opm", (), "what is between them is not refined"),
-        ("gap.json", "b.script", (), "what is between them is not refined"),
+        ("gap.json", "b.opm", (), "the legs between are not refined"),
+        ("gap.json", "b.script", (), "the legs between are not refined"),
     ):
         done = cli("export", "my.json", plan, "--out", out, *more)
         assert done.status == 2

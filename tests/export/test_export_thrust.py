@@ -284,8 +284,8 @@ def test_what_cannot_be_written_is_refused(cli: Cli, tmp_path: Path) -> None:
     impulsive.save("tiny.json")
     adr_opt.solve(impulsive, "greedy-guarded").plan.save("p.json")
     for mission_path, plan_path, out, said in (
-        ("i.json", "r.json", "a.opm", "has one direction"),
-        ("tiny.json", "p.json", "a.ocm", "is of refined plans"),
+        ("i.json", "r.json", "a.opm", "has a fixed direction"),
+        ("tiny.json", "p.json", "a.ocm", "is for refined plans"),
         ("i.json", "r.thrust", "r.script", "this is the input"),
         ("i.json", "r.json", "it's.script", "without quotation marks"),
     ):

@@ -514,7 +514,7 @@ def test_the_chaser_is_beside_its_bodies_in_exports(mission: Mission, tmp_path: 
         tracks(refined)
     for format, leg, said in (
         ("script", 1, "bodies of a script do not follow"),
-        ("opm", None, "no burn holds the chaser"),
+        ("opm", None, "no burns hold the chaser"),
     ):
         with pytest.raises(InputError, match=said):
             write_refined(instance, refined, tmp_path / "x", file=FlightFile(format), leg=leg)

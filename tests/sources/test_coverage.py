@@ -108,7 +108,7 @@ def test_a_hole_among_states_is_named_and_not_crossed(notation: str) -> None:
         for sides in ([0.0, 2399.0], [4801.0, 7200.0]):
             times = np.linspace(*sides, 100)
             assert np.linalg.norm((answer(times) - states(times))[:, :3], axis=1).max() < 50.0
-        with pytest.raises(InputError, match="a hole of 2400 s among states 120 s apart") as found:
+        with pytest.raises(InputError, match="a gap of 2400 s among states 120 s apart") as found:
             answer([3000.0])
         said = str(found.value)
         assert said.startswith(f"a.oem: line {first_after} ({RECORD.name}")
@@ -143,7 +143,7 @@ def test_steps_that_grow_are_no_holes_and_rare_states_are() -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"gap_s": (36000.0, 38760.0)}, "a hole of 2760 s"),
+        ({"gap_s": (36000.0, 38760.0)}, "a gap of 2760 s"),
         ({"span_s": (120.0, DAY_S + 1200.0), "START_TIME": at(0.0)}, "before"),
         ({"span_s": (21600.0, DAY_S + 1200.0), "START_TIME": at(0.0)}, "before"),
         ({"span_s": (0.0, DAY_S - 1200.0), "STOP_TIME": at(DAY_S)}, "after"),
@@ -173,5 +173,5 @@ def test_an_import_refuses_what_the_mission_needs(
     assert refused.status == 2, refused
     assert f"no state of {RECORD.label!r} " in refused.err
     assert said in refused.err
-    if said in ("a hole of 2760 s", "after"):
+    if said in ("a gap of 2760 s", "after"):
         assert cli(*asked, "0.4").status == 0

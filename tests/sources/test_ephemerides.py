@@ -276,7 +276,7 @@ def test_another_file_of_the_name_of_a_message_stays(cli: Cli) -> None:
     Path("mission").mkdir()
     Path("mission/a.oem").write_text("something else", encoding="utf-8")
     asked = ["import", "all.json", *FILES, "--oem", "a.oem", "--out", "mission/out.json", "--quiet"]
-    refused(cli(*asked), "another file of this name is there")
+    refused(cli(*asked), "another file of this name exists")
     assert [path.name for path in Path("mission").iterdir()] == ["a.oem"]
 
 
@@ -329,7 +329,7 @@ SHORT = {"span_s": (-1200.0, 1.5 * DAY_S)}
         ({"CENTER_NAME": "MARS"}, "CENTER_NAME = MARS: must be EARTH"),
         ({"INTERPOLATION": "SPLINE"}, "INTERPOLATION = SPLINE: must be one of"),
         ({"INTERPOLATION_DEGREE": "0"}, "INTERPOLATION_DEGREE = 0: must be from"),
-        ({"START_TIME": "yesterday"}, "'yesterday' is no time"),
+        ({"START_TIME": "yesterday"}, "'yesterday' is not a time"),
         ({"OBJECT_NAME": "ANOTHER", "OBJECT_ID": "2000-001A"}, "no ephemeris of"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
@@ -371,7 +371,7 @@ def test_two_ephemerides_of_a_body_are_one_sentence(cli: Cli) -> None:
             "out.json",
             "--quiet",
         ),
-        "two ephemerides of one time",
+        "two ephemerides for the same time",
     )
 
 
@@ -477,7 +477,10 @@ def test_real_fragments_are_near_their_fits(name: str) -> None:
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"no folder {DATA} (ADR_OPT_EXTERNAL_DATA)")
 def test_messages_of_others_are_read_or_refused() -> None:
     """Every example of an OEM gives its segments, or one sentence that says why not."""
-    refused_ones = {"OEMExample7.txt.post": "no OEM", "OEMExample7.txt.pre": "REF_FRAME is missing"}
+    refused_ones = {
+        "OEMExample7.txt.post": "not an OEM",
+        "OEMExample7.txt.pre": "REF_FRAME is missing",
+    }
     paths = sorted((DATA / "ccsds").glob("OEM*"))
     assert len(paths) >= 13
     for path in paths:

@@ -78,7 +78,7 @@ HEAD = "object,prize\n"
         (f"{HEAD}{NUMBER},nan\n", "line 2: field prize"),
         (f"{HEAD},1\n", "line 2: no object is named"),
         (f"{HEAD}99999,1\n", "line 2: object '99999': no object has this number or name"),
-        (f"{HEAD}{NUMBER},1\n{RECORDS[3].label},2\n", "has a row already, p.csv: line 2; keep"),
+        (f"{HEAD}{NUMBER},1\n{RECORDS[3].label},2\n", "already has a row, p.csv: line 2; keep"),
         (f"object,required\n{NUMBER},perhaps\n", "required = 'perhaps': must be yes or no"),
         (f"object,window\n{NUMBER},3\n", "window = '3': give two numbers as LO:HI"),
         (f"object,window\n{NUMBER},3:2\n", "must not close before it opens"),
@@ -101,11 +101,11 @@ def test_a_table_may_speak_of_objects_that_are_left_out(imported) -> None:
     Path("p.csv").write_text(f"name,prize\n{NUMBER},4\n", encoding="utf-8")
     outcome = imported("--prizes", "p.csv", "--exclude", str(NUMBER))
     assert outcome.status == 0
-    assert "1 row of --prizes: about objects that are not among the targets" in outcome.err
+    assert "1 row of --prizes: their objects are not among the targets" in outcome.err
     Path("p.csv").write_text(f"name,required\n{NUMBER},yes\n", encoding="utf-8")
     outcome = imported("--prizes", "p.csv", "--exclude", str(NUMBER))
     assert outcome.status == 2
-    assert "is required, but no target" in outcome.err
+    assert "is required, but is not a target" in outcome.err
 
 
 def test_excluded_objects_are_no_targets(imported) -> None:
@@ -219,7 +219,7 @@ def test_prizes_by_criticality_are_said_to_be_a_ranking(imported) -> None:
     Path("p.csv").write_text(f"object,prize,mass\n{NUMBER},777,\n", encoding="utf-8")
     outcome = imported("--criticality", "--prizes", "p.csv")
     assert outcome.status == 0, outcome
-    assert "prizes are by criticality, a ranking and no probability" in outcome.err
+    assert "prizes are by criticality, a ranking, not a probability" in outcome.err
     prizes = {target.name: target.prize for target in adr_opt.load("out.json").targets}
     assert prizes.pop(RECORDS[3].label) == 777.0
     others = [record for record in RECORDS if record.number != NUMBER]

@@ -127,7 +127,7 @@ def other(content: dict[str, Any]) -> None:
         (less, "must have a row for each of 20 objects"),
         (negative, "pairs"),
         (shared, "more than its worth alone"),
-        (twice, "is there twice"),
+        (twice, "occurs twice"),
         (other, "format"),
     ],
 )

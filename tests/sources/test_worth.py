@@ -331,7 +331,7 @@ def test_bad_satcats_are_refused(text: str, said: str, tmp_path: Path) -> None:
         ("object,mass\n10000,x\n", "must be a number"),
         ("object,mass\n10000\n", "1 values under 2 columns"),
         ("object,mass\n99,3\n98,3\n", "none of its 2 objects, '99' for one, is in the catalogue"),
-        ("object,mass\n10000,3\n10000,3\n", "has a row already"),
+        ("object,mass\n10000,3\n10000,3\n", "already has a row"),
     ],
 )
 def test_bad_tables_are_refused(text: str, said: str, tmp_path: Path) -> None:

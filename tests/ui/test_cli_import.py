@@ -393,7 +393,7 @@ def test_epochs_far_from_the_elements(cli: Cli) -> None:
     [
         (["--altitude", "100:200"], "no object is left of 12 (left out: altitude 12); widen"),
         (["--name", "ROCKET"], "no object is left of 12 (left out: name 12); widen the filters"),
-        (["--altitude", "800:700"], "altitude 800:700: the first must not be the larger one"),
+        (["--altitude", "800:700"], "altitude 800:700: the first must not exceed the second"),
         (["--altitude", "high"], "--altitude = 'high': give two numbers as LO:HI"),
         (["--altitude", ":"], "--altitude = ':'"),
         (["--inclination", "nan:90"], "--inclination = 'nan:90'"),

@@ -115,7 +115,7 @@ def test_a_satcat_of_another_year_is_counted(rated) -> None:
         (("--unit", 0), "--unit 0: must be positive"),
         (("--jobs", -1), "--jobs -1: must be at least 0"),
         (("--exclude", ""), "--exclude '': give a part"),
-        (("--exclude", "OBJECT"), "0 objects in orbit: collisions take two"),
+        (("--exclude", "OBJECT"), "0 objects in orbit: a collision needs two"),
         (("--page", "w.txt"), "the page is HTML"),
         (("--details", "p.csv"), "the name of another result"),
         (("--satcat", "none.tsv"), "no such file"),

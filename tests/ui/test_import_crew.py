@@ -138,7 +138,7 @@ def test_launches_into_orbits_reach_the_instance(imported) -> None:
         (("--launch-into", "500"), "ALTITUDE_KM,INCLINATION"),
         (("--launch-into", "500,200"), "180"),
         (("--launch-into", "800,97.5", *lifted[2:]), "given from"),
-        (lifted[2:], "Give --launch-into"),
+        (lifted[2:], "give --launch-into"),
     ):
         outcome = imported(*called, *wrong)
         assert outcome.status == 2

@@ -35,7 +35,7 @@ class Impulse(Protocol):
 
     @property
     def size_m_s(self) -> float:
-        """Its ΔV [m/s]."""
+        """ΔV of the burn [m/s]."""
         ...
 
     @property
@@ -67,17 +67,17 @@ class ThrustWindow:
 
     @property
     def start_s(self) -> float:
-        """Beginning [s]."""
+        """Start of the window [s]."""
         return float(self.times_s[0])
 
     @property
     def end_s(self) -> float:
-        """End [s]."""
+        """End of the window [s]."""
         return float(self.times_s[-1])
 
     @property
     def after_kg(self) -> float:
-        """Mass at the end [kg]."""
+        """Mass at the end of the window [kg]."""
         return self.before_kg - self.flow_kg_s * (self.end_s - self.start_s)
 
 
@@ -115,7 +115,7 @@ class CourseLeg:
 
     @property
     def all_impulses(self) -> tuple[Impulse, ...]:
-        """Those of the transfer and of the removal after it."""
+        """Impulses of the transfer and of the removal after it."""
         return (*self.impulses, *self.removal)
 
     @property
@@ -134,7 +134,7 @@ class Burnt:
 
 @dataclass(frozen=True)
 class Propulsion:
-    """What low thrust takes from: a chaser's mass without propellant, and its speed of exhaust."""
+    """Propulsion of low thrust: a chaser's mass without propellant, and its exhaust speed."""
 
     dry_kg: float
     exhaust_m_s: float
@@ -167,7 +167,7 @@ class FlightCourse:
     propulsion: Propulsion | None = None
 
     def begins_kg(self, leg: CourseLeg) -> float | None:
-        """Mass at the beginning of a leg; None where it is not known [kg]."""
+        """Mass at the beginning of a leg; None if unknown [kg]."""
         if leg.windows:
             return leg.windows[0].before_kg
         burnt = self.burnt.get(leg.number, ())

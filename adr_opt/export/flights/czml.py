@@ -60,7 +60,7 @@ def to_czml(trajectory: Trajectory) -> str:
 
 
 def _turned(trajectory: Trajectory, axes: Axes) -> Trajectory:
-    """The flight in other axes; bodies stay in those of the instance."""
+    """The flight in other axes; bodies stay in the instance's."""
     if axes.matrix is None:
         return trajectory
     legs = []
@@ -102,7 +102,7 @@ def _document(trajectory: Trajectory, clock: UtcClock, axes: Axes, bodies: int) 
     if bodies < len(trajectory.instance.names):
         said.append(
             f"Of {len(trajectory.instance.names)} bodies the {bodies} that legs begin or end at "
-            "are shown, each during these legs: all of them all the time would be too much."
+            "are shown, each during those legs only, to limit the size of the file."
         )
     start, end = trajectory.start_s, trajectory.end_s
     return document(clock, trajectory.instance.name, said, start, end)

@@ -80,7 +80,7 @@ def crew_of(
 def document(
     clock: UtcClock, name: str, said: Iterable[str], start_s: float, end_s: float
 ) -> dict[str, Any]:
-    """The packet that a document begins with: what it is of, and its clock."""
+    """The first packet of a document: its name and its clock."""
     return {
         "id": "document",
         "name": name,
@@ -191,7 +191,7 @@ def arc_packet(
 
 
 def path_line(drawn_s: float, width: int, resolution_s: float, colour: object) -> dict[str, Any]:
-    """The line of an arc, for some time before and after the chaser is there [s]."""
+    """The line of an arc, shown for some time before and after the chaser passes [s]."""
     return {
         "leadTime": drawn_s,
         "trailTime": drawn_s,

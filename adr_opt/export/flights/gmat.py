@@ -84,7 +84,7 @@ def to_gmat(trajectory: Trajectory, frame: str | None = None) -> str:
     first = trajectory.legs[0].number
     if first in trajectory.plan.lead_ins:
         raise InputError(
-            f"leg {first} leaves a disposal orbit, which a script of it alone does not know; "
+            f"leg {first} leaves a disposal orbit, which a script of this leg alone cannot state; "
             "export the whole plan, or write .oem"
         )
     instance = trajectory.instance
@@ -203,7 +203,7 @@ def _model(degree: int) -> str:
 
 
 def _forces(degree: int) -> Iterator[str]:
-    """The force model, but for its control of errors."""
+    """The force model, without its error control."""
     model = _model(degree)
     yield from ("", f"Create ForceModel {model};", f"GMAT {model}.CentralBody = Earth;")
     yield from _gravity(degree)

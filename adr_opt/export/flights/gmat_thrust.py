@@ -46,7 +46,7 @@ def gregorian(time: datetime) -> str:
 TANK, HISTORY, MODEL, PROPAGATOR = "Propellant", "Thrust", "Powered", "Push"
 
 BEYOND_S = 2e-3
-"""At least half of this lies between the ends of a segment and those of its window [s]."""
+"""Margin whose half separates at least the ends of a segment from those of its window [s]."""
 
 DENSITY_KG_M3 = 1000.0
 
@@ -58,7 +58,7 @@ NOTE = (
 
 
 def history_path(script: str | os.PathLike[str]) -> Path:
-    """Where the history of a script is: beside it, with the suffix ``.thrust``.
+    """Path of a script's thrust history: beside it, with the suffix ``.thrust``.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def powered(model: str, gravity: Iterator[str]) -> Iterator[str]:
 
 
 def decremented(propulsion: Propulsion, burn: str) -> Iterator[str]:
-    """The propellant of an impulse."""
+    """Commands that subtract the propellant of an impulse."""
     yield f"GMAT {burn}.DecrementMass = true;"
     yield f"GMAT {burn}.Tank = {{{TANK}}};"
     yield f"GMAT {burn}.Isp = {propulsion.exhaust_m_s / STANDARD_GRAVITY_M_S2:.12g};"
@@ -135,7 +135,7 @@ def decremented(propulsion: Propulsion, burn: str) -> Iterator[str]:
 
 
 def fuelled(course: FlightCourse, leg: CourseLeg, chaser: str) -> str:
-    """The mass with which a leg begins."""
+    """Command that sets the mass at the beginning of a leg."""
     return f"GMAT {chaser}.{TANK}.FuelMass = {_fuel(course, leg):.9f};"
 
 
@@ -182,6 +182,6 @@ def _segments(course: FlightCourse) -> Iterator[tuple[str, ThrustWindow]]:
 
 
 def _fuel(course: FlightCourse, leg: CourseLeg) -> float:
-    """All but the dry mass at the beginning of a leg [kg]."""
+    """Mass beyond the dry mass at the beginning of a leg [kg]."""
     assert course.propulsion is not None
     return (course.begins_kg(leg) or 0.0) - course.propulsion.dry_kg

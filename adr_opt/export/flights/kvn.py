@@ -16,7 +16,7 @@ from ...problem.instance import Instance
 ORIGINATOR = "ADR-OPT"
 OBJECT_NAME = "CHASER"
 OBJECT_ID = "UNKNOWN"
-"""Object identifier of a chaser, which is in no catalogue."""
+"""Object identifier of a chaser, as it is in no catalogue."""
 
 WIDTH = 100
 

@@ -127,7 +127,7 @@ def _thrust(
     axes: Axes,
     clock: UtcClock,
 ) -> Iterator[str]:
-    """A table of thrust; a row lasts until the next one, and the last of a window no time."""
+    """A table of thrust: each row lasts until the next one, and the last of a window ends it."""
     assert course.propulsion is not None
     impulse_s = course.propulsion.exhaust_m_s / STANDARD_GRAVITY_M_S2
     first, last = run[0][0], run[-1][0]
@@ -177,7 +177,7 @@ def _impulses(course: FlightCourse, leg: CourseLeg, axes: Axes, clock: UtcClock)
 def _about(
     name: str, device: str, course: FlightCourse, axes: Axes, clock: UtcClock
 ) -> Iterator[str]:
-    """What tables of manoeuvres begin with."""
+    """First lines of a table of manoeuvres."""
     yield f"MAN_ID = {name}"
     yield "MAN_BASIS = PLANNED"
     yield f"MAN_DEVICE_ID = {device}"
@@ -188,7 +188,7 @@ def _about(
 
 
 def _frame_epoch(which: str, axes: Axes, course: FlightCourse, clock: UtcClock) -> Iterator[str]:
-    """The time of the axes, if they have one."""
+    """The epoch of the axes, if they have one."""
     if axes.frame.axes_epoch is not None:
         since_s = (axes.frame.axes_epoch - course.instance.epoch).total_seconds()
         yield f"{which}_FRAME_EPOCH = {clock.label(since_s)}"

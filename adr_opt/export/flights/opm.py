@@ -38,7 +38,7 @@ def to_opm(trajectory: Trajectory, frame: str | None = None, object_id: str | No
     if trajectory.instance.dynamics == "j2":
         about = [
             "It is a mean state: its velocity is that within the plane, to which the burns add. "
-            "Propagated as an osculating state it leads elsewhere"
+            "Propagated as an osculating state, it deviates from the plan"
         ]
     position, _ = states_at_labels(first)
     state = np.concatenate([position[0], first.velocities_m_s[0]])
@@ -98,11 +98,11 @@ def _lines(
     yield ""
     if burnt:
         yield from comment(
-            "With propellant and kits. What changes between manoeuvres, by refuelling, by kits "
-            "that stay or by an object that is towed, shows in their comments"
+            "With propellant and kits. Changes between manoeuvres, by refuelling, kits left behind "
+            "or a towed object, are in their comments"
         )
     else:
-        yield from comment("The mass is a placeholder that the format asks for: the plan has none")
+        yield from comment("The mass is a placeholder required by the format: the plan states none")
     yield f"MASS = {burnt[0].before_kg if burnt else MASS_KG:.6f} [kg]"
     for leg in course.legs:
         masses = course.burnt.get(leg.number, (None,) * len(leg.all_impulses))

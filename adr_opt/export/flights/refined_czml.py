@@ -101,7 +101,7 @@ def _crew(instance: Instance, shown: RefinedLegs, step: float) -> list[ShownChas
 def _bodies(
     instance: Instance, its: RefinedLegs, axes: Axes, clock: UtcClock
 ) -> Iterator[dict[str, Any]]:
-    """Bodies of the legs, all the time, or in a long mission while their legs are flown."""
+    """Bodies of the legs, shown throughout or, in a long mission, while their legs are flown."""
     legs = its.legs
     part = its.refined.replace(legs=tuple(legs))
     names = list(its.bodies.bodies)
@@ -169,7 +169,7 @@ def _windows(leg: RefinedLeg) -> tuple[tuple[float, float], ...]:
 
 
 def _colours(leg: RefinedLeg, arc: Arc, clock: UtcClock) -> Iterator[tuple[str, str]]:
-    """Intervals of an arc with the colour of what the chaser does."""
+    """Intervals of an arc with the colours of the chaser's phases."""
     if leg.thrust is None or arc.phase != "transfer":
         yield _span(clock, arc), _colour(leg, arc)
         return

@@ -99,7 +99,7 @@ def to_ocm(
 def refuse_between_ephemerides(
     refined: RefinedPlan, legs: Sequence[RefinedLeg], format: str
 ) -> None:
-    """Raise :class:`InputError` for burns that do not lead through services.
+    """Raise :class:`InputError` for plans between ephemerides, whose burns do not cover services.
 
     Beside an ephemeris the chaser is held by what no burn of the plan says, and scripts move
     bodies freely.
@@ -108,13 +108,13 @@ def refuse_between_ephemerides(
         return
     if format == "script":
         raise InputError(
-            "the plan was refined onto ephemerides, which bodies of a script do not follow; write "
-            ".oem, .ocm or .opm"
+            "the plan was refined onto ephemerides, but bodies of a script do not follow them; "
+            "write .oem, .ocm or .opm"
         )
     if len(legs) > 1:
         raise InputError(
-            "the plan was refined onto ephemerides, beside which no burn holds the chaser; write "
-            f".oem or .ocm, or a single leg as .{format}"
+            "the plan was refined onto ephemerides, but no burns hold the chaser beside them; "
+            f"write .oem or .ocm, or a single leg as .{format}"
         )
 
 
@@ -160,7 +160,7 @@ def refined_course(
         if one.destination != after.origin:
             raise InputError(
                 f"leg {after.leg} begins at {after.origin!r}, and leg {one.leg} ends at "
-                f"{one.destination!r}: what is between them is not refined; write .oem, or one leg"
+                f"{one.destination!r}: the legs between are not refined; write .oem, or one leg"
             )
     burnt: dict[int, tuple[Burnt, ...]] = {}
     if not refined.missing:

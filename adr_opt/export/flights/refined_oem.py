@@ -83,7 +83,7 @@ def write_refined(
         raise InputError(f"format = {format!r}: use one of {', '.join(ALL_FORMATS)}")
     axes = axes_in(format, instance, frame)
     if format != "oem" and body is not None:
-        raise InputError(f"a body makes no burns: .{format} is of chasers; write .oem of {body!r}")
+        raise InputError(f"{body!r} makes no burns, which .{format} would list; write .oem")
     everyone = format in TOGETHER and chaser is None and leg is None
     name = None if everyone else _whose(instance, refined, chaser, leg, body)
     if format == "czml" and step_s is None:
@@ -100,7 +100,7 @@ def write_refined(
     legs = [one for one in refined.legs if leg in (None, one.leg) and name in (None, one.chaser)]
     if format == "opm" and any(one.thrust is not None for one in legs):
         raise InputError(
-            "a burn of .opm has one direction, and low thrust is steered; write .ocm or .oem"
+            "a burn of .opm has a fixed direction, but low thrust is steered; write .ocm or .oem"
         )
     if format == "czml":
         shown = RefinedLegs(refined, legs, bodies)

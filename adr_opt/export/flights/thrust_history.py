@@ -1,4 +1,4 @@
-"""Low thrust of a leg as a history over time: in each window a force that is piecewise linear.
+"""Low thrust of a leg as a time history: a piecewise linear force in each window.
 
 The law of steering is one of the place on the orbit, which no other program knows. As vectors in
 inertial axes at points of time anyone can fly it, without asking where the chaser is. Points are
@@ -22,10 +22,10 @@ from ...plan.refined_plan import RefinedLeg
 from .course import ThrustWindow
 
 STEP_S = 30.0
-"""Time between points: docs/exports.md states how near the force then leads [s]."""
+"""Time between points: docs/exports.md states the resulting accuracy [s]."""
 
 SHORTEST_S = 1.0
-"""Shortest interval at the end of a window: less is added to the interval before [s]."""
+"""Shortest interval at the end of a window; a shorter one is merged with the previous one [s]."""
 
 PLACES, WEIGHTS = np.polynomial.legendre.leggauss(3)
 PLACES, WEIGHTS = 0.5 * (PLACES + 1.0), 0.5 * WEIGHTS
@@ -64,7 +64,7 @@ def thrust_windows(leg: RefinedLeg, gravity: Gravity) -> tuple[ThrustWindow, ...
 
 
 def _ends(grids: list[Array]) -> Array:
-    """Where in all times those of each grid but the last end."""
+    """Indices in all times at which each grid but the last ends."""
     return np.cumsum([PLACES.size * (grid.size - 1) for grid in grids])[:-1]
 
 

@@ -25,7 +25,7 @@ FORMATS = ("oem", "opm", "czml", "script")
 """Formats, and with a leading dot the suffixes."""
 
 ALL_FORMATS = ("oem", "opm", "ocm", "czml", "script")
-"""Those of refined plans, too."""
+"""Formats including those for refined plans only."""
 
 TOGETHER = ("czml",)
 """Formats that can hold the flights of several chasers."""
@@ -33,7 +33,7 @@ TOGETHER = ("czml",)
 
 @dataclass(frozen=True)
 class FlightFile:
-    """How a flight is to be written.
+    """Settings of a written flight.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ def flown(
     plan = admit(instance, plan).plan
     trajectory = sample(instance, plan, step_s)
     if not trajectory.legs:
-        raise InputError("the plan has no legs: there is nothing to fly and so nothing to export")
+        raise InputError("the plan has no legs: there is nothing to export")
     whose = owners(instance, plan)
     everyone = together and chaser is None and leg is None
     name = None if everyone else chaser_wanted(instance, whose, chaser, leg)
@@ -130,7 +130,7 @@ def flown(
         refuse_broken_chain(instance, plan)
         legs = tuple(path for path in trajectory.legs if name is None or whose[path.number] == name)
         if not legs:
-            raise InputError(f"{name!r} has no legs: there is nothing to fly and so to export")
+            raise InputError(f"{name!r} has no legs: there is nothing to export")
         return replace(trajectory, legs=legs, chaser=name)
     if not 1 <= leg <= len(trajectory.legs):
         raise InputError(f"leg = {leg}: the plan has the legs 1 to {len(trajectory.legs)}")
@@ -171,9 +171,9 @@ def axes_in(format: str, instance: Instance, frame: str | None) -> Axes:
 
 
 def refuse_refined_only(format: str) -> None:
-    """Raise :class:`InputError` for a format that plans have not before they are refined."""
+    """Raise :class:`InputError` for a format of refined plans only."""
     if format == "ocm":
-        raise InputError(".ocm is of refined plans; refine the plan, or write .oem or .opm")
+        raise InputError(".ocm is for refined plans; refine the plan, or write .oem or .opm")
 
 
 def check_frame(frame: str | None) -> None:

@@ -77,7 +77,7 @@ def write_npz(path: Path, mission: Mission, matrices: Matrices) -> None:
 
 
 def _windows(instance: Instance) -> dict[str, tuple[str, Any, dict[str, str]]]:
-    """Rows of windows of targets that are limited, and what has to lie within one of them."""
+    """Rows of targets' windows, and the part of each service that must lie within one."""
     every = [(each, instance.intervals_of(each)) for each in instance.targets]
     limited = [(each, rows) for each, rows in every if instance.is_limited(each) and len(rows)]
     if not limited:

@@ -183,7 +183,7 @@ NOT_HELD = (
     "cost",
     "refuelling",
 )
-"""Rules that files for other solvers have no place for, and say so."""
+"""Rules that files for other solvers cannot hold; the files state which are left out."""
 
 
 def _left_out(instance: Instance) -> str:
@@ -286,7 +286,7 @@ def write_oplib(
 
 
 LARGEST_PRIZES = 2**44
-"""Largest sum of prizes, as of distances in PyVRP: beyond it sums may overflow."""
+"""Largest sum of prizes and of distances in PyVRP; beyond it, sums may overflow."""
 
 
 def write_vrp(

@@ -66,14 +66,14 @@ Building = Callable[[float], None]
 
 
 TRANSFERS = Follower("a file of transfers", JUDGED - {"several chasers"})
-"""All files, which hold the transfers of one chaser."""
+"""Rules followed by all files, which hold the transfers of one chaser."""
 
 MODEL_FILES = Follower(
     "a file of the model",
     FIRST | MODELLED | SUPPLIES | TOURS | {"expense", "functions of time", "capture windows"},
     "write transfers alone, as .npz, .nc or .parquet",
 )
-"""Files of the exact network of one chaser, whose legs have no masses."""
+"""Rules followed by files of the exact network of one chaser, whose legs have no masses."""
 
 DEPOT_FILES = Follower(
     "a file with one depot",
@@ -82,7 +82,7 @@ DEPOT_FILES = Follower(
     - {"start orbits", "launches", "launches into orbits"},
     "write transfers alone, as .npz, .nc or .parquet",
 )
-"""Files of one depot, where the chaser starts and refuels, and of prizes that stay."""
+"""Rules followed by files with one depot, where the chaser starts and refuels, and fixed prizes."""
 
 
 def whole_suffixes() -> tuple[str, ...]:

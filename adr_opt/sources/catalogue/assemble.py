@@ -38,7 +38,7 @@ from .records import shown as shown_name
 from .selection import densest, named, nearest, parse_orbit, within_limits
 
 FAR_DAYS = 7.0
-"""Distance of elements from the epoch that causes a warning: SGP4 loses kilometres a day."""
+"""Age of elements at the epoch that causes a warning: SGP4 loses kilometres a day [days]."""
 
 AT_ANOTHER_EPOCH = ("far-epoch", "sgp4-error")
 """Reasons for omitting an object that another epoch might avoid."""
@@ -117,7 +117,7 @@ A_WEEK = MissionOutline()
 
 @dataclass(frozen=True)
 class Imported:
-    """An instance made from a catalogue, with an account of its making.
+    """An instance made from a catalogue, with a record of how it was made.
 
     Attributes
     ----------
@@ -153,7 +153,7 @@ class Imported:
         return dict(Counter(drop.reason for drop in self.dropped))
 
     def to_dict(self) -> dict[str, Any]:
-        """The account as JSON data, without the instance."""
+        """The record as JSON data, without the instance."""
         content = self.instance.model_dump(mode="json", include={"name", "epoch"})
         return {
             "instance": content["name"],
@@ -386,7 +386,7 @@ def _failed_sentence(failed: Sequence[Dropped], epoch: datetime, host: ElementSe
 
 
 NAMES_TOLD = 3
-"""Maximum number of names told of a catalogue of which no name fits."""
+"""Maximum number of names listed where no name of a catalogue fits."""
 
 
 def _names_told(records: Sequence[ElementSet]) -> str:

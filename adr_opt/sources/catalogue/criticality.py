@@ -1,4 +1,4 @@
-"""Prizes by criticality: the likely harm of a break-up, as far as a catalogue shows it.
+"""Prizes by criticality: the likely harm of a break-up, estimated from a catalogue.
 
 A probability of collision cannot be derived from element sets, and this is none. It is a ranking in
 the manner of the criticality indices of the literature (A. Rossi, G. B. Valsecchi, E. M. Alessi,
@@ -28,8 +28,8 @@ LARGEST = 100.0
 """Prize of the most critical target."""
 
 SIZE_KG = {"LARGE": 1000.0, "MEDIUM": 1000.0 / 10.0**1.5, "SMALL": 1.0}
-"""Mass where only the class of the cross-section is known. Classes are a factor of ten in area
-apart, and mass grows with the area to the power of 3/2; only the ratios matter."""
+"""Mass if only the class of the cross-section is known [kg]. Classes differ by a factor of ten in
+area, and mass grows with area to the power 3/2; only ratios matter."""
 
 NEAR_M, BAND_DEG = 50e3, 2.5
 """Half widths in semi-major axis and inclination of the neighbourhood that crowds an object."""

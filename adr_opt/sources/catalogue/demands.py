@@ -1,4 +1,4 @@
-"""Requirements on single objects of a catalogue: whether they are targets, and of which kind."""
+"""Requirements on single objects of a catalogue: whether they are targets, and their values."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Demands:
                 raise InputError(f"--deadline {said}={deadline_s / DAY_S:g}: must be after day 0")
 
     def choice(self, records: Sequence[ElementSet], host: ElementSet | None) -> ObjectChoice:
-        """Objects of a catalogue that are targets, or not, regardless of filters.
+        """Objects of a catalogue that are targets, or excluded, regardless of filters.
 
         Raises
         ------
@@ -102,9 +102,9 @@ class Demands:
         excluded = finder.listed(self.excluded, "--exclude")
         for at, said in musts.items():
             if at in excluded:
-                raise InputError(f"--must {said}: --exclude leaves it out; drop one of the two")
+                raise InputError(f"--must {said}: --exclude leaves it out; remove one of the two")
             if records[at] is host:
-                raise InputError(f"--must {said}: it is the station, which is no target")
+                raise InputError(f"--must {said}: it is the station, which cannot be a target")
         left_out = {id(records[at]): "exclude" for at in excluded}
         if self.only_wished:
             rows = {finder.one(wish.said, f"{wish.source}: object") for wish in self.wishes}
@@ -128,7 +128,7 @@ class Demands:
         ------
         InputError
             An object is not there or not the only one of its name, or one thing is asked of it
-            twice; or it is required, and no target.
+            twice; or it is required, but not a target.
         """
         finder = Finder(targets)
         number_of = {id(record): number for number, record in enumerate(targets)}
@@ -140,7 +140,7 @@ class Demands:
             number = finder.one(said, "--deadline", TARGET)
             its = fields.setdefault(number, {})
             if "window_s" in its:
-                raise InputError(f"--deadline {said}: {targets[number].label} has one already")
+                raise InputError(f"--deadline {said}: {targets[number].label} already has one")
             its["window_s"] = (0.0, deadline_s)
         for said in self.required:
             fields.setdefault(finder.one(said, "--require", TARGET), {})["required"] = True
@@ -161,21 +161,24 @@ class Demands:
             label = catalogue[at].label
             if at in rows:
                 raise InputError(
-                    f"{wish.source}: {label} has a row already, {rows[at].source}; keep one"
+                    f"{wish.source}: {label} already has a row, {rows[at].source}; keep one"
                 )
             rows[at] = wish
             number = number_of.get(id(catalogue[at]))
             if number is None:
                 if wish.fields.get("required"):
                     raise InputError(
-                        f"{wish.source}: {label} is required, but no target; widen the filters, or "
-                        "name it with --must"
+                        f"{wish.source}: {label} is required, but is not a target; widen the "
+                        "filters, or name it with --must"
                     )
                 left_out += 1
                 continue
             its = fields.setdefault(number, {})
             if its.get("required") and wish.fields.get("required") is False:
-                raise InputError(f"{wish.source}: {label} is not required, but --must says it is")
+                raise InputError(
+                    f"{wish.source}: {label} is marked as not required, but --must names it; "
+                    "remove one of the two"
+                )
             its |= wish.fields
         return left_out
 
@@ -227,7 +230,7 @@ def told_masses(targets: Sequence[ElementSet], fields: Mapping[int, Mapping[str,
     known = [number for number, its in fields.items() if "mass_kg" in its]
     by_size = sum(bool(record.size) for number, record in enumerate(targets) if number not in known)
     return (
-        "prizes are by criticality, a ranking and no probability: mass (known of "
+        "prizes are by criticality, a ranking, not a probability: mass (known of "
         f"{len(known)} of {len(targets)} targets, guessed from the size of {by_size}), altitude, "
         "and crowding among the objects read"
     )
@@ -235,7 +238,7 @@ def told_masses(targets: Sequence[ElementSet], fields: Mapping[int, Mapping[str,
 
 def told_left_out(count: int) -> str:
     """A warning about table rows for objects that are not targets."""
-    return f"{counted(count, 'row')} of --prizes: about objects that are not among the targets"
+    return f"{counted(count, 'row')} of --prizes: their objects are not among the targets"
 
 
 def targets_of(

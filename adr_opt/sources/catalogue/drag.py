@@ -1,4 +1,4 @@
-"""Drag during a mission: objects that come down, and displacement along the track."""
+"""Drag during a mission: objects that re-enter, and along-track displacement."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from .propagation import FLOAT, satellite_of
 from .records import ElementSet
 
 LEFT_OUT = "drag, which plans leave out, "
-"""Beginning of the warning."""
+"""Beginning of the warning about drag."""
 
 MOST_KM = 100.0
 """Along-track displacement that causes a warning [km]."""
 
 DECAYS = math.inf
-"""Displacement of an object that decays within the mission."""
+"""Value that stands for the displacement of an object that decays within the mission."""
 
 SHARES = np.linspace(0.0, 1.0, 9)
 """Shares of the mission at which the mean motion is sampled."""
 
 DEEP_SPACE = "d"
-"""SGP4's method for periods of 225 minutes and more."""
+"""SGP4's code of the method for periods of 225 minutes and more."""
 
 LEAST_RADIUS = 1.0
 """Semi-major axis below which an orbit has decayed [Earth radii]."""
@@ -173,5 +173,5 @@ def end_windows(
 
 
 def _down_s(record: ElementSet, epoch: datetime) -> float:
-    """When an object comes down, after the epoch [s]; +inf if the file does not say."""
+    """Time of an object's re-entry after the epoch [s]; +inf if the file states none."""
     return math.inf if record.decays is None else (record.decays - epoch).total_seconds()

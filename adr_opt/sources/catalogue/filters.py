@@ -51,7 +51,7 @@ class Filters:
                 raise InputError(f"{what} {limits[0]:g}:{limits[1]:g}: must be two numbers LO:HI")
             if what != "RAAN" and limits[0] > limits[1]:
                 raise InputError(
-                    f"{what} {limits[0]:g}:{limits[1]:g}: the first must not be the larger one"
+                    f"{what} {limits[0]:g}:{limits[1]:g}: the first must not exceed the second"
                 )
 
     def match_name(self, record: ElementSet) -> bool:
@@ -96,7 +96,7 @@ class Filters:
         return found
 
     def told_ranges(self, elements: npt.NDArray[np.float64]) -> str:
-        """What objects have of the quantities that are filtered; empty for none.
+        """Ranges of the filtered quantities over all objects, in words; empty without filters.
 
         Parameters
         ----------

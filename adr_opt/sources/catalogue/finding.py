@@ -28,7 +28,7 @@ class Finder:
                 self._by_name.setdefault(name.casefold(), []).append(at)
 
     def all(self, text: str) -> list[int]:
-        """Indices of all objects that a text denotes; upper and lower case are alike."""
+        """Indices of all objects that a text denotes; case is ignored."""
         wanted = text.strip().casefold()
         found = self._by_number.get(wanted, []) if wanted.isdigit() else []
         return found or self._by_name.get(wanted, [])

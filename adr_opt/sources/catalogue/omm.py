@@ -147,7 +147,7 @@ def keyword(said: str) -> str:
 
 
 def label(fields: Mapping[str, Any]) -> str:
-    """Name of the object of an invalid message, as far as known."""
+    """Name of the object of an invalid message, if known."""
     parts = (fields.get("OBJECT_NAME"), fields.get("NORAD_CAT_ID") or fields.get("OBJECT_ID"))
     return " ".join(shown(part) for part in parts if part not in (None, ""))
 
@@ -261,7 +261,8 @@ def _epoch(fields: Mapping[str, Any]) -> datetime:
     # An epoch with decimals says the same, to as many as it has.
     if decimals and abs((completed - epoch).total_seconds()) > 10.0**-decimals:
         raise RowError(
-            f"field EPOCH_MICROSECONDS = {apart}: EPOCH = {shown(given)} has others; keep one"
+            f"field EPOCH_MICROSECONDS = {apart}: EPOCH = {shown(given)} has microseconds, too; "
+            "keep one"
         )
     return completed
 
@@ -272,7 +273,7 @@ def _decays(fields: Mapping[str, Any]) -> datetime | None:
 
 
 def _time(key: str, given: Any, wanted: str) -> tuple[datetime, int]:
-    """A time, and how many decimals its seconds have; a date alone is its first moment."""
+    """A time, and the number of decimals of its seconds; a date alone means its first moment."""
     parts = _TIME.fullmatch(given.strip()) if isinstance(given, str) else None
     if parts is None or (key == "EPOCH" and parts[5] is None):
         raise RowError(f"field {key} = {shown(given)}: must be {wanted}")

@@ -164,7 +164,7 @@ def _one(item: Any, source: str, line: int, ordinal: int) -> ElementSet | Droppe
 def _refuse_message(item: Any, source: str) -> None:
     if isinstance(item, dict) and not any(omm.keyword(key) in omm.FIELDS for key in item):
         raise InputError(
-            f"{source}: a JSON object that is no OMM but says {shown(json.dumps(item), 60)}; "
+            f"{source}: a JSON object that is not an OMM, but reads {shown(json.dumps(item), 60)}; "
             "download the catalogue again"
         )
 

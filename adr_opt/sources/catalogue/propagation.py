@@ -94,7 +94,7 @@ def mean_elements(records: Sequence[ElementSet], epoch: datetime) -> tuple[FLOAT
 
 
 def _on_the_way(minutes: float) -> list[float]:
-    """Times for SGP4 on the way to an epoch, ending there.
+    """Intermediate times for SGP4 up to an epoch, inclusive.
 
     Drag is a polynomial of degree four in SGP4. It takes a decaying orbit through the ground, with
     errors, and long after that out again, without. Between the two there is a factor of 2.8 in
@@ -184,7 +184,7 @@ def _unfit(record: ElementSet, epoch: datetime) -> tuple[str, str] | None:
     if record.not_sgp4:
         return "not-sgp4", record.not_sgp4
     if record.is_down(epoch):
-        return "decayed", f"decayed on {record.decays:%Y-%m-%d}, says the file"
+        return "decayed", f"decayed on {record.decays:%Y-%m-%d}, according to the file"
     days = (epoch - record.epoch).total_seconds() / DAY_S
     if abs(days) > LARGEST_DAYS:
         return "far-epoch", f"its elements are {abs(days):.0f} days from the epoch"
@@ -200,7 +200,7 @@ def _failure(
     if code:
         return "sgp4-error", f"SGP4 error {code}: {errors.get(code, 'unknown')}"
     if not all(map(math.isfinite, numbers)):
-        return "sgp4-error", "SGP4 gives no finite state"
+        return "sgp4-error", "SGP4 returns no finite state"
     return None
 
 

@@ -101,8 +101,8 @@ def read_bytes(data: bytes, source: str, *, skip_bad: bool = False) -> Catalogue
         dropped.append(row)
         if len(dropped) > MOST_BAD_ROWS:
             raise InputError(
-                f"{source}: more than {MOST_BAD_ROWS} bad rows until line {row.line}; "
-                "give a catalogue"
+                f"{source}: more than {MOST_BAD_ROWS} bad rows up to line {row.line}; give a "
+                "catalogue"
             )
     if not records:
         first = f"; the first of {len(dropped)} bad rows: {dropped[0].within}" if dropped else ""
@@ -157,7 +157,7 @@ def _recognise(data: bytes, source: str) -> tuple[str, Iterable[ElementSet | Dro
     if ephemeris_format(head):
         raise InputError(
             f"{source}: {ephemeris_format(head)}, not mean elements; give a catalogue, and this "
-            "by --oem"
+            "file with --oem"
         )
     begin = next((line for line in head.splitlines() if _says_something(line)), "")
     message = re.match(r"\s*CCSDS_(\w+)_VERS\s*=", begin)

@@ -96,7 +96,7 @@ class ElementSet:
         return (self,)
 
     def is_down(self, time: datetime) -> bool:
-        """Whether the object has come down at a time, as the file says."""
+        """Whether the object has decayed by a time, according to the file."""
         return self.decays is not None and self.decays <= time
 
     @property

@@ -175,7 +175,7 @@ def nearest(
     dropped: list[Dropped],
     choice: ObjectChoice,
 ) -> ROWS:
-    """Rows whose planes are nearest to that of a place; the others go to ``dropped``.
+    """Rows whose planes are nearest to that of a reference orbit; the others go to ``dropped``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Ephemerides beside an instance: where bodies really are (docs/ephemerides.md).
+"""Ephemerides beside an instance: true states of bodies (docs/ephemerides.md).
 
 :func:`ephemeris_of` gives that of a body, an object with ``state(times_s)``: position and velocity
 in the inertial frame of the instance, vectorised over times. Behind it are element sets run by

@@ -23,7 +23,7 @@ SYNONYMS = {"J2000": "EME2000", "TEMEOFDATE": "TEME", "TEMEOFEPOCH": "TEME"}
 
 
 class ByTable:
-    """States of a body interpolated as its messages say.
+    """States of a body, interpolated by the method that its messages state.
 
     States are interpolated in the frame of the message and then turned.
 
@@ -59,11 +59,11 @@ class ByTable:
         self._coverage = Coverage(body, segments, epoch)
 
     def check_covered(self, begin_s: float, end_s: float) -> None:
-        """Raise :class:`InputError` unless the ephemeris covers a time without a hole."""
+        """Raise :class:`InputError` unless the ephemeris covers a time without a gap."""
         self._coverage.check(begin_s, end_s)
 
     def state(self, times_s: npt.ArrayLike) -> Array:
-        """As of :class:`.ephemeris.Ephemeris`."""
+        """States at times, as in :class:`.ephemeris.Ephemeris`."""
         times = np.asarray(times_s, dtype=np.float64)
         flat = times.ravel()
         found = np.empty((flat.size, 6))

@@ -1,4 +1,4 @@
-"""The time that messages cover: where they have states, within the times that they state.
+"""Coverage of messages: spans with states, within the usable times that they state.
 
 A segment covers what is in all of START_TIME to STOP_TIME, USEABLE_START_TIME to USEABLE_STOP_TIME
 and its states, without the holes among these (CCSDS 502.0-B, section 5.2).
@@ -24,17 +24,17 @@ CLOSE_S = 1e-6
 """Times closer than this to the end of a span are within it: labels have microseconds [s]."""
 
 LEAST_STEPS = 2.0
-"""Number of usual steps that are no hole yet, whatever the degree: a single state is missing."""
+"""Number of usual steps that are not yet a gap, whatever the degree: a single state is missing."""
 
 STEPS_PER_STATE = 0.5
-"""The same for each state that the polynomial goes through: half of them may be missing."""
+"""Further steps allowed per state of the polynomial: half of its states may be missing."""
 
 JITTER = 1.001
 """Steps are rounded to the digits of their labels."""
 
 
 class Span(NamedTuple):
-    """A time that a segment covers without a hole.
+    """A span that a segment covers without a gap.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Span(NamedTuple):
 
 
 class Coverage:
-    """The time that messages cover of a body.
+    """The spans of a body's messages.
 
     Parameters
     ----------
@@ -85,12 +85,13 @@ class Coverage:
         for before, after in zip(self.spans, self.spans[1:], strict=False):
             if after.begin < before.end - CLOSE_S:
                 raise InputError(
-                    f"{after.segment.where}: {body!r} has two ephemerides of one time, the other "
-                    f"in {before.segment.source}, line {before.segment.line}; give one of them"
+                    f"{after.segment.where}: {body!r} has two ephemerides for the same time, the "
+                    f"other in {before.segment.source}, line {before.segment.line}; give one of "
+                    "them"
                 )
 
     def check(self, begin_s: float, end_s: float) -> None:
-        """Raise :class:`InputError` unless a time is covered without a hole."""
+        """Raise :class:`InputError` unless a time is covered without a gap."""
         reached = begin_s
         for span in self.spans:
             if span.begin <= reached + CLOSE_S:
@@ -116,7 +117,7 @@ class Coverage:
             raise self.uncovered(float(times_s[missing][0]))
 
     def uncovered(self, time_s: float) -> InputError:
-        """A sentence about a time that is not covered: what is missing around it, and where."""
+        """A sentence about an uncovered time: the gap around it, and its place in the files."""
         before = [span for span in self.spans if span.end < time_s]
         after = [span for span in self.spans if span.begin > time_s]
         where, said = self._first.where, "within the times that its metadata state"
@@ -130,7 +131,7 @@ class Coverage:
         if before and after and last.segment is after[0].segment:
             step = float(np.median(np.diff(last.knots)))
             hole = after[0].begin - last.end
-            said += f", a hole of {hole:.6g} s among states {step:.6g} s apart"
+            said += f", a gap of {hole:.6g} s among states {step:.6g} s apart"
         return InputError(
             f"{where}: no state of {self._body!r} {said}; give an ephemeris of the whole mission"
         )
@@ -155,7 +156,7 @@ def _spans(segments: Iterable[MessageSegment], epoch: datetime) -> Iterator[Span
         labels, states = segment.states()
         knots = seconds_since(epoch, labels, system, segment.where)
         if not (np.diff(knots) > 0.0).all():
-            raise InputError(f"{segment.where}: its times do not rise")
+            raise InputError(f"{segment.where}: its times do not increase")
         cuts = np.append(holes(knots, states, *segment.method) + 1, knots.size)
         for first, stop in zip([0, *cuts], cuts, strict=False):
             begin = max(float(earliest.max()), float(knots[first]))
@@ -168,7 +169,7 @@ def _spans(segments: Iterable[MessageSegment], epoch: datetime) -> Iterator[Span
 
 
 def holes(knots: Array, states: Array, method: str, degree: int) -> npt.NDArray[np.intp]:
-    """Numbers of the states after which others are missing.
+    """Numbers of the states before gaps.
 
     There a step is longer than those around it by more than the polynomial of the degree can make
     up for, or as long as half a revolution, which no polynomial knows of.

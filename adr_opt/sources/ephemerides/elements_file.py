@@ -38,7 +38,7 @@ def read_elements(content: bytes, source: str) -> dict[str, ElementSet]:
     """
     data = parse_json(content, source)
     if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise InputError(f'{source}: its format is not "{FORMAT}"; import the catalogue anew')
+        raise InputError(f'{source}: its format is not "{FORMAT}"; import the catalogue again')
     strange = sorted(data.keys() - {"format", "bodies"})
     if strange:
         raise InputError(f"{source}: field {strange[0][:40]}: unknown; remove it")
@@ -59,7 +59,7 @@ def read_elements(content: bytes, source: str) -> dict[str, ElementSet]:
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the file; of a record only the keywords that none may lack."""
+    """The JSON Schema of the file; for records only the required keywords."""
     needed = {
         "MEAN_MOTION",
         "ECCENTRICITY",

@@ -1,4 +1,4 @@
-"""An ephemeris: states of a body at times of the mission, and the turning of its axes.
+"""An ephemeris: states of a body at times of the mission, and the rotation of its axes.
 
 SGP4 gives states in TEME of their own date, and so do ephemerides without an epoch of their frame.
 Those axes turn by 34 m in low orbit within a week, and by 1.8 km within a year.
@@ -31,7 +31,7 @@ class Ephemeris(Protocol):
     body: str
 
     def state(self, times_s: npt.ArrayLike) -> Array:
-        """States at times, of the shape of the times and one axis of six more [m, m/s].
+        """States at times, with the shape of the times plus an axis of six [m, m/s].
 
         Parameters
         ----------
@@ -47,11 +47,11 @@ class Ephemeris(Protocol):
 
 
 STEP_S = 0.25 * DAY_S
-"""Distance of the times between which the turning is interpolated; the nutation of a fortnight then
-is right to 0.1 mm in low orbit."""
+"""Spacing of the times between which the rotation is interpolated; fortnightly nutation is then
+right to 0.1 mm in low orbit."""
 
 NEIGHBOURS = 4
-"""Number of times that an interpolation takes."""
+"""Number of nodes of an interpolation."""
 
 
 class TurningAxes:
@@ -91,7 +91,7 @@ class TurningAxes:
         return turned
 
     def _reach(self, first: int, last: int) -> None:
-        """Know the rotations at all steps from one to another."""
+        """Compute missing rotations at all steps of a range."""
         known = len(self._matrices)
         if known and self._first <= first and last < self._first + known:
             return

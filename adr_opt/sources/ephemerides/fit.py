@@ -27,23 +27,23 @@ from .ephemeris import Array, Ephemeris
 LEAST_SAMPLES, MOST_SAMPLES = 160, 2000
 
 SAMPLING_S = 0.25 * DAY_S
-"""Greatest distance of samples of long missions: the phase is followed from one to the next [s]."""
+"""Largest spacing of samples of long missions, so that the phase can be followed [s]."""
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-"""Step of a sequence that is even modulo 1, so that samples fall on all parts of a revolution."""
+"""Step of a low-discrepancy sequence modulo 1, so that samples cover all of a revolution."""
 
 ROUNDS = 3
 """Iterations from osculating to mean elements; each gains three digits."""
 
 TRUST = 0.05
-"""Weight of the offset that J3 causes against one sample of two, where a mission is too short to
-tell a constant vector from one that turns."""
+"""Weight of the offset due to J3, relative to half the samples, for missions too short to separate
+a constant vector from a rotating one."""
 
 ZONALS = FIELDS["j2"]
 
 
 class FittedOrbit(NamedTuple):
-    """A body's orbit as planned with, and the numbers beside it."""
+    """A body's orbit for planning, and the fitted numbers beside it."""
 
     orbit: Orbit
     decay_m_per_day: float
@@ -71,7 +71,7 @@ def fitted(ephemeris: Ephemeris, duration_s: float, *, decays: bool = True) -> F
     means = np.array([_mean(state) for state in ephemeris.state(times)])
     axis, e_node, e_ahead, inclination, node, latitude = means.T
     if not np.isfinite(means).all() or float(np.hypot(e_node, e_ahead).max()) >= 1.0:
-        raise InputError(f"{ephemeris.body!r}: its ephemeris is of no closed orbit")
+        raise InputError(f"{ephemeris.body!r}: its ephemeris is not of a closed orbit")
     tilt = float(inclination.mean())
     size, eccentricity = float(axis.mean()), float(np.hypot(e_node, e_ahead).mean())
     spread = times if duration_s > 0.0 else np.zeros(1)
@@ -102,7 +102,7 @@ def fitted(ephemeris: Ephemeris, duration_s: float, *, decays: bool = True) -> F
 
 
 def sample_times(duration_s: float) -> Array:
-    """Times of a mission in order, its ends among them, that fall on all parts of a revolution."""
+    """Times of a mission in order, both ends included, that cover all of a revolution."""
     if not duration_s > 0.0:
         return np.zeros(1)
     count = min(max(LEAST_SAMPLES, math.ceil(duration_s / SAMPLING_S)), MOST_SAMPLES)
@@ -147,7 +147,7 @@ def _mean(state: Array) -> Array:
 def _vectors(
     times: Array, e_node: Array, e_ahead: Array, rate: float, axis: float, tilt: float
 ) -> tuple[Array, Array]:
-    """The eccentricity vector that turns, as at t = 0, and the constant one."""
+    """The rotating eccentricity vector at t = 0, and the constant one."""
     theory = 1j * j3_offset(axis, tilt)
     turning = np.exp(1j * rate * times)
     weight = TRUST * math.sqrt(times.size)
@@ -188,7 +188,7 @@ def _axis_of(pace: float, eccentricity: float, tilt: float) -> float:
 def _orbit(
     body: str, axis: float, e: float, tilt: float, node: float, perigee: float, mean: float
 ) -> Orbit:
-    """The orbit of mean elements, rounded far below what a fit is good for."""
+    """The orbit of mean elements, rounded far below the precision of a fit."""
     from pydantic import ValidationError
 
     from ...common.sentences import sentence

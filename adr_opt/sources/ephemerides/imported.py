@@ -23,7 +23,7 @@ from .of_instance import Ephemerides, of_contents
 
 @dataclass(frozen=True)
 class WithEphemerides:
-    """An imported instance on orbits that were fitted to ephemerides.
+    """An imported instance on orbits fitted to ephemerides.
 
     Attributes
     ----------
@@ -57,14 +57,14 @@ class WithEphemerides:
             if there.is_file() and there.read_bytes() == content:
                 continue
             if there.is_file() and reference.kind == "oem":
-                raise InputError(f"{there}: another file of this name is there; rename the message")
+                raise InputError(f"{there}: another file of this name exists; rename the message")
             changed[there] = content
         for there, content in changed.items():
             write_bytes(there, content)
         write_text(path, self.imported.instance.to_json())
 
     def to_dict(self) -> dict[str, Any]:
-        """The account of the import as JSON data."""
+        """The record of the import as JSON data."""
         reference = self.imported.instance.ephemerides
         assert reference is not None
         return {
@@ -167,8 +167,8 @@ def _given(messages: Sequence[str | os.PathLike[str]], out: str) -> dict[str, by
         name = Path(path).name
         if name in contents or name == out:
             raise InputError(
-                f"--oem {path}: another file is called {name!r}, too, and they are put into one "
-                "folder; rename one"
+                f"--oem {path}: another file is also called {name!r}, and both go into one folder; "
+                "rename one"
             )
         try:
             contents[name] = Path(path).read_bytes()

@@ -11,19 +11,19 @@ import numpy as np
 from .ephemeris import Array
 
 METHODS = ("LAGRANGE", "HERMITE", "LINEAR")
-"""Keywords of INTERPOLATION that are understood."""
+"""Supported values of INTERPOLATION."""
 
 USUAL = "LAGRANGE", 7
-"""Method and degree where a file says none: 8 positions are right to 2 mm in low orbit with 120 s
+"""Method and degree if a file states none: 8 positions are right to 2 mm in low orbit with 120 s
 between them and to 5 cm with 180 s. SGP4's velocities are not the derivatives of its positions, so
 that Hermite's method stalls at metres there."""
 
 CHUNK = 65536
-"""Number of times that are interpolated at once."""
+"""Number of times interpolated at once."""
 
 
 def points_of(method: str, degree: int) -> int:
-    """Number of states that a polynomial of a degree goes through."""
+    """Number of states that a polynomial of some degree passes through."""
     if method == "LINEAR":
         return 2
     return degree + 1 if method == "LAGRANGE" else max(2, (degree + 2) // 2)

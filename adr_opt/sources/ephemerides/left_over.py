@@ -1,4 +1,4 @@
-"""Distances that a fit leaves between planned states and an ephemeris, and what they may cost."""
+"""Residuals of a fit between planned states and an ephemeris, and their likely cost."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LEG_S = DAY_S
 
 
 class LeftOver(NamedTuple):
-    """What a fit leaves of one body.
+    """Residuals of the fit of one body.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ def planned_states(
 
 
 def left_over(ephemeris: Ephemeris, made: FittedOrbit, duration_s: float) -> LeftOver:
-    """What a fit of a body leaves over a mission."""
+    """Residuals of the fit of a body over a mission."""
     times = sample_times(duration_s)
     true = ephemeris.state(times)
     planned = planned_states(made.orbit, made.decay_m_per_day, made.fit, times)
@@ -93,7 +93,7 @@ def left_over(ephemeris: Ephemeris, made: FittedOrbit, duration_s: float) -> Lef
 
 
 def summary(found: Sequence[LeftOver]) -> dict[str, Any]:
-    """Medians over bodies and the worst of each, as JSON data; empty without bodies."""
+    """Medians over bodies and worst values, as JSON data; empty without bodies."""
     said: dict[str, Any] = {"bodies": len(found)}
     for field in LeftOver._fields[1:] if found else ():
         values = [getattr(one, field) for one in found]
@@ -107,7 +107,7 @@ def summary(found: Sequence[LeftOver]) -> dict[str, Any]:
 
 
 def told(found: Sequence[LeftOver]) -> str:
-    """A sentence on what is left."""
+    """A sentence on the residuals."""
     middle = [float(np.median([one[at] for one in found])) for at in range(1, 5)]
     worst = max(found, key=lambda one: one.along_m)
     return (

@@ -16,10 +16,10 @@ from ..catalogue.records import shown
 from .ephemeris import Array
 
 SYSTEMS = ("UTC", "TAI", "TT", "GPS")
-"""Time systems that are understood."""
+"""Supported time systems."""
 
 AHEAD_OF_TAI_S = {"TAI": 0.0, "TT": 32.184, "GPS": -19.0}
-"""By how much clocks are ahead of TAI."""
+"""Lead of clocks over TAI [s]."""
 
 OF_YEAR = re.compile(r"(\d{4})-(\d{3})T(.*)", re.ASCII)
 CALENDAR = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d{1,30})?", re.ASCII)
@@ -28,7 +28,7 @@ DAY_0 = np.datetime64("1858-11-17")
 """Day 0 of the modified Julian date."""
 
 MODIFIED_0 = 2400000.5
-"""Julian date at which it begins."""
+"""Julian date at which the modified Julian date begins."""
 
 
 def seconds_since(epoch: datetime, labels: Sequence[str], system: str, where: str) -> Array:
@@ -67,7 +67,7 @@ def seconds_since(epoch: datetime, labels: Sequence[str], system: str, where: st
 
 
 def _ahead_of_utc(days: Any, seconds: Array, ahead_of_tai_s: float) -> Array:
-    """By how much a clock is ahead of UTC at its own times [s]."""
+    """Lead of a clock over UTC at times of that clock [s]."""
     try:
         import erfa
     except ImportError:
@@ -101,5 +101,5 @@ def _calendar(label: str, where: str) -> str:
             raise ValueError
         datetime.fromisoformat(f"{text[:17]}{min(int(text[17:19]), 59):02d}")
     except (ValueError, OverflowError):
-        raise InputError(f"{where}: {shown(label)!r} is no time") from None
+        raise InputError(f"{where}: {shown(label)!r} is not a time") from None
     return text

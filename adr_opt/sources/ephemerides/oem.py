@@ -96,7 +96,7 @@ class _Reader(XmlReader):
 
 
 def read_oem(content: bytes, source: str) -> list[MessageSegment]:
-    """The segments of a message, or of an ephemeris in another format that is known.
+    """The segments of a message, or of an ephemeris in another supported format.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def read_oem(content: bytes, source: str) -> list[MessageSegment]:
         found = [read(content.decode("utf-8-sig", "replace"), source)]
     else:
         raise InputError(
-            f"{source}: no OEM, it does not begin with CCSDS_OEM_VERS, and neither an STK nor a "
+            f"{source}: not an OEM, as it does not begin with CCSDS_OEM_VERS, nor an STK or "
             "Modified ITC ephemeris"
         )
     if not found:

@@ -27,7 +27,7 @@ COLUMNS = (7, 10)
 """Number of columns of a state: time, position and velocity, and perhaps acceleration."""
 
 Rows = list[tuple[int, str]]
-"""States while a file is read: the line of each and its text."""
+"""States while a file is read: line number and text of each."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class MessageSegment:
         return method, int(text)
 
     def states(self) -> tuple[list[str], Array]:
-        """Times as they stand there, and states, shape (states, 6) [m, m/s].
+        """Times as written in the message, and states, shape (states, 6) [m, m/s].
 
         Raises
         ------
@@ -115,7 +115,7 @@ class MessageSegment:
                 numbers.append([float(part) for part in parts[1:7]])
             except ValueError:
                 raise InputError(
-                    f"{self.at(self.row_lines[at])}: {shown(row)!r} is no time with six numbers"
+                    f"{self.at(self.row_lines[at])}: {shown(row)!r} is not a time with six numbers"
                 ) from None
             times.append(parts[0])
         states = 1e3 * np.array(numbers)
@@ -128,7 +128,7 @@ class MessageSegment:
 def segment_of(
     source: str, line: int, fields: dict[str, str], rows: Rows, covariance_rows: Sequence[str] = ()
 ) -> MessageSegment:
-    """A segment from its parts, if it has the metadata and states that it needs.
+    """A segment from its parts, checked for required metadata and states.
 
     Raises
     ------

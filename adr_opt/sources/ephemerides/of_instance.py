@@ -77,7 +77,7 @@ class ByElements:
 
 
 class Ephemerides:
-    """Ephemerides of bodies by name, each made when it is asked for.
+    """Ephemerides of bodies by name, each made on demand.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ class Ephemerides:
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Names of the bodies that have one."""
+        """Names of the bodies that have an ephemeris."""
         return tuple(self._makers)
 
     def of(self, body: str) -> Ephemeris:
@@ -217,8 +217,8 @@ def by_body(
         others = found.setdefault(named, [])
         if others and others[0].names != segment.names:
             raise InputError(
-                f"{segment.where}: another ephemeris of {named!r} is in {others[0].source}, line "
-                f"{others[0].line}, of another object; give one of them"
+                f"{segment.where}: {named!r} has another ephemeris, of another object, in "
+                f"{others[0].source}, line {others[0].line}; give one of them"
             )
         others.append(segment)
     return found

@@ -18,7 +18,7 @@ from ..catalogue.records import shown
 from .oem_segment import MessageSegment, Rows, segment_of
 
 FRAMES = {"J2000": "EME2000", "ICRF": "ICRF", "TEMEOFDATE": "TEME", "TEMEOFEPOCH": "TEME"}
-"""Coordinate systems that are understood, as OEM calls them."""
+"""Supported coordinate systems, with their names in OEM."""
 
 UNITS_KM = {"METERS": 1e-3, "KILOMETERS": 1.0}
 STATES = {"EPHEMERISTIMEPOSVEL": 7, "EPHEMERISTIMEPOSVELACC": 10}
@@ -61,7 +61,9 @@ def read_stk(text: str, source: str) -> MessageSegment:
         elif keyword in KEYWORDS and keyword not in said and values:
             said[keyword] = " ".join(values).strip('"')
         else:
-            raise InputError(f"{where} with {shown(line.strip())!r}, which is not read; {INSTEAD}")
+            raise InputError(
+                f"{where} with {shown(line.strip())!r}, which is not supported; {INSTEAD}"
+            )
     return segment_of(source, 1, _fields(said, source, rows), _labelled(said, source, rows))
 
 
@@ -152,7 +154,7 @@ def read_itc(text: str, source: str) -> MessageSegment:
     named = NAME.fullmatch(Path(source).stem)
     if named is None:
         raise InputError(
-            f"{source}: a Modified ITC ephemeris, of which only the name says the object; call it "
+            f"{source}: a Modified ITC ephemeris, whose object only the file name states; call it "
             "MEME_NUMBER_NAME_DAYTIME_Operational… as its publisher does, or convert it to an OEM"
         )
     rows = Rows()

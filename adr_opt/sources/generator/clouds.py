@@ -74,7 +74,7 @@ def draw_fragment(uniform: Uniform) -> Orbit:
 
 
 def _correlated(uniform: Uniform, other: float, probability: float) -> float:
-    """Another element's share with a probability, else an independent one."""
+    """Another element's quantile with some probability, else an independent one."""
     own, chance = uniform(0.0, 1.0), uniform(0.0, 1.0)
     return other if chance < probability else own
 
@@ -91,8 +91,8 @@ FRAGMENTS_STATION = circle(EVENT_KM, FRAGMENTS_INCLINATION_DEG, 0.0, 0.0)
 FRAGMENTS_TRANSFER = TransferSettings().replace(
     departure_spacing_s=2.0 * HOUR_S, delta_v_resolution_m_s=0.5
 )
-"""Two months are too short for planes to drift together, and with thousands of pieces no wait for
-one pays: no long transfers."""
+"""Without long transfers: two months are too short for planes to drift together, and among
+thousands of pieces waiting for one never pays."""
 
 
 def draw_piece(uniform: Uniform) -> Orbit:

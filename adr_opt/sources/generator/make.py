@@ -102,7 +102,7 @@ def draw_zones(seed: int, count: int, duration_s: float) -> tuple[KeepOutZone, .
 
 
 SUFFIX = "-fitted"
-"""Suffix of the names of such instances, which state no numbers and are in no library."""
+"""Suffix of the names of modified instances, which are not in the library."""
 
 
 def fitted(  # noqa: PLR0913
@@ -143,10 +143,10 @@ def fitted(  # noqa: PLR0913
         ("most uncontrolled", max_uncontrolled_kg, "kg"),
     ):
         if limit is not None and disposal is None:
-            raise InputError(f"{what} = {limit:g} {unit}: nothing is released; say a tow")
+            raise InputError(f"{what} = {limit:g} {unit}: nothing is released; choose a tow")
     carried = instance.chasers[0].kits is not None
     if kit_mass_kg is not None and kits is None and (not carried or towed_kg is not None):
-        raise InputError(f"kit mass = {kit_mass_kg:g} kg: there are no kits; say how many")
+        raise InputError(f"kit mass = {kit_mass_kg:g} kg: there are no kits; give their number")
     of_chasers: dict[str, Any] = {}
     of_targets: dict[str, Any] = {}
     if tank is not None:

@@ -102,7 +102,7 @@ ELECTRIC_TRANSFER = TransferSettings(
     max_drift_s=360.0 * DAY_S,
     delta_v_resolution_m_s=20.0,
 )
-"""Coarse, as legs take weeks, and the longest is a year: what it saves otherwise is little."""
+"""Coarse grid, as legs take weeks and the longest a year: a finer one would save little."""
 
 
 def electric_chaser(number: int) -> Chaser:

@@ -12,7 +12,7 @@ from ...problem.orbit import Orbit
 LARGEST_SEED = 2**63 - 1
 
 Uniform = Callable[[float, float], float]
-"""Draws a number between two limits."""
+"""Function that draws a number between two limits."""
 
 
 def stream(seed: int, purpose: int) -> Uniform:

@@ -1,4 +1,4 @@
-"""Uncertainty of where bodies are: files that state it, and what element sets show of it."""
+"""Position uncertainty of bodies, from files that state it or from successive element sets."""
 
 from .successive import SetsCompared, compared
 from .table import read_target_errors

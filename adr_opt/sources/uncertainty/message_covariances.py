@@ -22,7 +22,7 @@ from ..ephemerides.of_instance import by_body
 from .target_error import Array, TargetError
 
 OWN_AXES = ("RTN", "RSW")
-"""Names of the axes outward, along the track and across it."""
+"""Names of the axes outward, along-track and cross-track."""
 
 
 class StatedCovariance(NamedTuple):
@@ -44,7 +44,7 @@ class StatedCovariance(NamedTuple):
 
 
 def of_message(instance: Instance, text: str, source: str) -> dict[str, TargetError]:
-    """Errors of the bodies of an instance: for each the last covariance that is not of later.
+    """Errors of an instance's bodies: for each, the latest covariance up to the epoch.
 
     Where all are of later than the epoch, the first of them.
 
@@ -91,7 +91,9 @@ def _error(
             date = instance.epoch + timedelta(seconds=since_s)
             own = Frame(name="TEME", axes_epoch=date)
         if instance.frame is None:
-            raise InputError("it is inertial, and the instance names no frame; state one there")
+            raise InputError(
+                "its axes are inertial, but the instance names no frame; give the instance a frame"
+            )
         turn = rotation(own, instance.frame)
         if turn is not None:
             both = np.kron(np.eye(2), turn)
@@ -116,7 +118,9 @@ def _covariances(segment: MessageSegment) -> Iterator[StatedCovariance]:
         elif is_field and keyword.strip() == "COV_REF_FRAME":
             frame = value.strip().upper()
         elif is_field:
-            raise InputError(f"{segment.where}: {shown(keyword.strip())} is unknown of covariances")
+            raise InputError(
+                f"{segment.where}: {shown(keyword.strip())} is not a keyword of covariances"
+            )
         else:
             rows.append(_row(segment, line, len(rows) + 1))
         if len(rows) == 6:

@@ -1,4 +1,4 @@
-"""Errors of bodies as successive element sets of their objects show them.
+"""Errors of bodies, estimated from successive element sets of their objects.
 
 Each element set is propagated by SGP4 to the epoch of every newer one of its object. What the two
 then differ by is taken for the error of the older one at that age (D. Vallado and P. Cefola,
@@ -28,21 +28,21 @@ from ..catalogue.records import ElementSet
 from .target_error import Array, TargetError
 
 FARTHEST_RAD = 0.5 * math.pi
-"""Along the track, two sets farther apart than this may have lost or gained a revolution."""
+"""Along-track distance above which two sets may differ by a revolution."""
 
 SPREAD = 1.5
-"""Ratio of the largest to the smallest age from which on constant and growth are told apart."""
+"""Ratio of largest to smallest age above which constant and growth can be separated."""
 
 
 ROUNDS = 6
-"""Rounds of the fit along the track, each weighted by the one before it."""
+"""Rounds of the along-track fit, each weighted by the previous one."""
 
 LEAST_M2 = 1.0
-"""Least variance along the track that weighs a difference [m²]."""
+"""Least along-track variance used to weight a difference [m²]."""
 
 
 class SetDifference(NamedTuple):
-    """How far an element set is from a newer one at the epoch of that."""
+    """Difference of an element set from a newer one, at the newer set's epoch."""
 
     age_days: float
     radial_m: float
@@ -51,7 +51,7 @@ class SetDifference(NamedTuple):
 
 
 class ErrorGrowth(NamedTuple):
-    """Standard deviations that an object's element sets show: at age zero, and of the decay."""
+    """Standard deviations estimated from an object's element sets: at age zero, and of decay."""
 
     radial_m: float
     along_m: float
@@ -61,7 +61,7 @@ class ErrorGrowth(NamedTuple):
 
 @dataclass(frozen=True)
 class SetsCompared:
-    """Errors of the bodies of an instance that comparing element sets gives.
+    """Errors of the bodies of an instance, from comparing element sets.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ def compared(instance: Instance, paths: Sequence[str | os.PathLike[str]]) -> Set
 
 
 def growth_of(differences: Sequence[SetDifference], mean_motion_rev_day: float) -> ErrorGrowth:
-    """Standard deviations by the differences of an object."""
+    """Standard deviations from the differences of an object."""
     table = np.array(differences)
     ages, along = table[:, 0], table[:, 2]
     # The decay d moves an object by 3/4 n d t² along its track (docs/model.md 1.2).
@@ -219,13 +219,13 @@ def _sets_of_targets(
 
 
 def _age(instance: Instance, records: Sequence[ElementSet]) -> float:
-    """Age at the epoch of the newest element set that is not of later [days]."""
+    """Age at the epoch of the newest element set up to it [days]."""
     ages = [(instance.epoch - record.epoch).total_seconds() / DAY_S for record in records]
     return min((age for age in ages if age >= 0.0), default=0.0)
 
 
 def _difference(older: ElementSet, newer: ElementSet) -> SetDifference | None:
-    """How far two sets are apart at the newer epoch; None where that cannot be told."""
+    """Difference of two sets at the newer epoch; None if it cannot be determined."""
     age_s = (newer.epoch - older.epoch).total_seconds()
     code, place, velocity = satellite_of(newer).sgp4_tsince(0.0)
     if code:

@@ -58,11 +58,11 @@ class TargetErrorRow(Record):
     def _one_of_both(self) -> Self:
         said = [name for name in SIGMAS if getattr(self, name) is not None]
         if self.covariance_rtn is not None and said:
-            raise ValueError(f"field {said[0]}: the row has a covariance, too; leave one of them")
+            raise ValueError(f"field {said[0]}: the row has a covariance, too; keep one of them")
         return self
 
     def error(self) -> TargetError:
-        """The error that it states."""
+        """The error that the row states."""
         covariance = np.zeros((7, 7))
         if self.covariance_rtn is not None:
             covariance[:6, :6] = self.covariance_rtn
@@ -118,7 +118,7 @@ def read_table(path: str | os.PathLike[str], bodies: Collection[str]) -> dict[st
         if row.target not in bodies:
             raise InputError(f"{where}: target {shown(row.target)!r}: no such body in the instance")
         if row.target in found:
-            raise InputError(f"{where}: target {shown(row.target)!r} has a row already; keep one")
+            raise InputError(f"{where}: target {shown(row.target)!r} already has a row; keep one")
         try:
             found[row.target] = row.error()
         except InputError as error:

@@ -1,4 +1,4 @@
-"""The error of where a body is said to be: a covariance at a time."""
+"""The error of a body's stated position: a covariance at a time."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ Array = npt.NDArray[np.float64]
 Coordinates = Literal["rtn", "inertial", "elements"]
 
 LEAST_EIGENVALUE = -1e-6
-"""Eigenvalues of correlations above this are taken for rounded zeros."""
+"""Negative eigenvalues of correlations above this count as rounded zeros."""
 
 
 @dataclass(frozen=True, eq=False)
 class TargetError:
-    """Covariance of where a body is at a time, and of its decay.
+    """Covariance of a body's state at a time, and of its decay.
 
     Attributes
     ----------
@@ -55,8 +55,8 @@ class TargetError:
         values = np.linalg.eigvalsh(self._correlations()[0])
         if values[0] < LEAST_EIGENVALUE:
             raise InputError(
-                "the covariance is none: some combination of its coordinates has a negative "
-                "variance; correct it"
+                "the covariance is not positive semidefinite: some combination of its coordinates "
+                "has a negative variance; correct it"
             )
 
     def __bool__(self) -> bool:

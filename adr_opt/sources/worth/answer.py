@@ -1,4 +1,4 @@
-"""The answer of ``worth`` as plain data."""
+"""The output of ``worth`` as plain data."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .satcat import Satcat
 from .worth import UNIT, RemovalWorth
 
 SHORT = 0.9
-"""Share of the horizon that an object has to stay for its own decay not to matter."""
+"""Share of the horizon above which an object's own decay does not matter."""
 
 
 def figure(value: float) -> str:
@@ -19,7 +19,7 @@ def figure(value: float) -> str:
 
 
 def reason(worth: RemovalWorth, at: int) -> str:
-    """Mass, encounters and stay of an object, and the object most dangerous to it."""
+    """Reasons of a worth: mass, encounters, lifetime, and the most dangerous other object."""
     bodies = worth.bodies
     encounters, catastrophic = worth.encounters[at], worth.catastrophic[at]
     parts = [
@@ -40,11 +40,11 @@ LISTED = 10
 """Number of objects listed with their reasons."""
 
 SETS = (10, 50)
-"""Sizes of the sets whose worth is told."""
+"""Sizes of the sets whose worth is reported."""
 
 
 def answer(prizes: RemovalPrizes, satcat: Satcat | None) -> dict[str, Any]:
-    """Sums, sources, the best objects with reasons, and what sets take off."""
+    """Sums, sources, the best objects with reasons, and worths of sets."""
     worth = prizes.worth
     bodies = worth.bodies
     ranks = {int(at): place for place, at in enumerate(prizes.candidates)}

@@ -58,7 +58,7 @@ STAGES = {
 
 
 def stage_of(name: str) -> StageFamily | None:
-    """The stage that a name says, also among other words; None for other objects."""
+    """The stage that a name contains; None for other objects."""
     words = f" {name.upper()} "
     return next((stage for mark, stage in STAGES.items() if f" {mark} " in words), None)
 
@@ -68,11 +68,11 @@ BALLISTIC_M2_KG = 12.741621
 ρ₀ = 0.1570 kg/m² per Earth radius."""
 
 AREA_TO_MASS = (1e-4, 10.0)
-"""Range of areas over mass that is taken from B* [m²/kg]; outside, B* has been fitted to noise."""
+"""Range of areas over mass accepted from B* [m²/kg]; outside it, B* was fitted to noise."""
 
 
 class Default(NamedTuple):
-    """Mass [kg] and diameter [m] where nothing is known."""
+    """Mass [kg] and diameter [m] assumed where nothing is known."""
 
     mass: float
     size: float
@@ -244,7 +244,7 @@ def _row_of(record: ElementSet, satcat: Satcat) -> SatcatRow | None:
 
 
 def _kind(name: str) -> str:
-    """Kind of an object by the marks that public catalogues put behind names."""
+    """Kind of an object by the suffixes of names in public catalogues."""
     words = name.upper().replace("(", " ").replace(")", " ").split()
     if "R/B" in words:
         return "rocket body"

@@ -12,13 +12,13 @@ from scipy.special import ndtr
 from ...problem.air import DRAG_COEFFICIENT, FLOAT, HIGHEST_M, LOWEST_M, YEAR_S, circular_drag_times
 
 LEAST_SIZE_M = 0.1
-"""Characteristic length from which fragments count."""
+"""Characteristic length above which fragments count [m]."""
 
 FRAGMENTS = 0.1 * LEAST_SIZE_M**-1.71
 """Number of fragments of an effective mass of 1 kg, which grows with its power 0.75."""
 
 CATASTROPHIC_J_KG = 40e3
-"""Energy of the projectile per mass of the target from which both break up completely."""
+"""Energy of the projectile per mass of the target above which both break up completely [J/kg]."""
 
 SIZE_EXPONENT, LARGEST_SIZE_M, SIZES = 1.71, 1.0, 12
 """Cumulative distribution of sizes, the size where it is cut off, and quantiles of it."""
@@ -50,7 +50,7 @@ def _rocket_body(size: FLOAT) -> tuple[FLOAT, ...]:
 
 
 def _spacecraft(size: FLOAT) -> tuple[FLOAT, ...]:
-    """As of :func:`_rocket_body`, for fragments of spacecraft."""
+    """The same parameters as :func:`_rocket_body`, for fragments of spacecraft."""
     return (
         _ramp(size, (-1.95, 0.0), (0.55, 1.0)),
         _ramp(size, (-1.1, -0.6), (0.0, -0.95)),

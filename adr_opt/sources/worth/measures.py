@@ -1,4 +1,4 @@
-"""Tables of masses and sizes that a user knows better than any catalogue.
+"""User's tables of masses and sizes, which take precedence over catalogues.
 
 CSV, a line for each object. The column ``object`` has its catalogue number, name or designator;
 ``mass`` is in kg, ``size`` the diameter of a sphere of its mean cross-section, in m. Either of the
@@ -61,7 +61,7 @@ def read_measures(path: str | os.PathLike[str], records: Sequence[ElementSet]) -
             continue
         at = finder.one(fields["object"], f"{where}: object")
         if at in found:
-            raise InputError(f"{where}: {records[at].label} has a row already; keep one")
+            raise InputError(f"{where}: {records[at].label} already has a row; keep one")
         found[at] = measures
     if strange and not found:
         raise InputError(

@@ -31,7 +31,7 @@ BLOCKS = 96
 INDICES = npt.NDArray[np.int64]
 
 Show = Callable[[int, int], None]
-"""Called with the numbers of finished blocks and of all."""
+"""Called with the number of finished blocks and the total."""
 
 
 class Totals(NamedTuple):
@@ -96,7 +96,7 @@ def totals(
 
 
 def shared(objects: CollidingObjects, tables: CollisionTables, some: INDICES, jobs: int) -> FLOAT:
-    """Fragment-years that each of some objects has with the others of them.
+    """Fragment-years that each object of a set shares with the rest of the set.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def shared(objects: CollidingObjects, tables: CollisionTables, some: INDICES, jo
 
 
 def with_one(objects: CollidingObjects, tables: CollisionTables, one: int, some: INDICES) -> FLOAT:
-    """Fragment-years of one object with each of some [fragment-years]."""
+    """Worth that one object shares with each of several others [fragment-years]."""
     found: FLOAT = worths_with(objects, tables, one, some)
     return found
 

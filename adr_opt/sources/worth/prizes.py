@@ -1,4 +1,4 @@
-"""Prizes for instances: worths that add up, in whole multiples of a unit, as CSV files."""
+"""Prizes for instances: additive worths, in whole multiples of a unit, as CSV files."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class RemovalPrizes:
         return f"{self.unit:g} {UNIT}"
 
     def prizes_csv(self) -> str:
-        """Table of prizes and masses as ``import --prizes`` takes it.
+        """Table of prizes and masses, as read by ``import --prizes``.
 
         A removal after the last year of falling prizes is worth nothing that is known.
         """
@@ -92,7 +92,7 @@ class RemovalPrizes:
         )
 
     def details_csv(self) -> str:
-        """Table of all that is known of the candidates, under :data:`DETAILS`."""
+        """Table of all data on the candidates, with the columns :data:`DETAILS`."""
         return csv_text(DETAILS, [self._detail(place) for place in range(len(self.candidates))])
 
     def _detail(self, place: int) -> tuple[object, ...]:
@@ -138,7 +138,7 @@ def prizes_of(
     *,
     later: Sequence[RemovalWorth] = (),
 ) -> RemovalPrizes:
-    """Prizes of the objects that are most worth removing.
+    """Prizes of the objects of the largest worth.
 
     Parameters
     ----------

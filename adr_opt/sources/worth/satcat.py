@@ -126,7 +126,7 @@ def _places(line: str, where: str) -> dict[str, int]:
 
 
 def _row(fields: dict[str, str], where: str) -> SatcatRow | None:
-    """The object of a row; None if it was never one."""
+    """The object of a row; None if the row is not an object in orbit."""
     kind = KINDS.get(fields["Type"][:1])
     if kind is None:
         return None

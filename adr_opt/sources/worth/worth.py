@@ -17,15 +17,15 @@ from .breakup import ALTITUDE_STEP_M, CATASTROPHIC_J_KG, FRAGMENTS, KINDS, fragm
 from .pairs import INDICES, Show, mean_speeds, shared, totals, with_one
 
 MOST_YEARS = 200.0
-"""Longest horizon: beyond it neither the population nor the Sun can be said to stay as it is."""
+"""Longest horizon: beyond it, population and solar activity cannot be assumed constant [years]."""
 
 UNIT = "fragment-years"
 
 CELL_KM, CELL_DEG = 100.0, 10.0
-"""Cells in which worth is counted: mean altitude, from 0, and inclination."""
+"""Sizes of the cells in which worth is summed: mean altitude, from 0, and inclination."""
 
 LEVELS, TILTS = 21, 18
-"""Numbers of cells; the highest has all above 2,000 km."""
+"""Numbers of cells; the highest holds everything above 2,000 km."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class RemovalWorth:
         return np.argsort(-self.alone, kind="stable")[:count]
 
     def floors(self, candidates: INDICES, jobs: int = 0) -> FLOAT:
-        """Equation 10: worths that add up, in the order of the candidates.
+        """Equation 10: additive worths, in the order of the candidates.
 
         The sum over any set of candidates is at most what removing the set avoids.
         """
@@ -97,12 +97,12 @@ class RemovalWorth:
         return float(self.alone[indices].sum() - 0.5 * twice.sum())
 
     def shared_pairs(self, candidates: INDICES) -> FLOAT:
-        """What each two candidates share; symmetric, zero on the diagonal [fragment-years]."""
+        """Worth shared by each pair of candidates; symmetric, zero diagonal [fragment-years]."""
         places = self._places(candidates)
         return np.array([with_one(self._objects, self._tables, int(one), places) for one in places])
 
     def best_set(self, count: int, candidates: INDICES) -> list[int]:
-        """A set of candidates that avoids much: the best addition each time."""
+        """A set of candidates of large worth, by greedy addition."""
         left = self.alone[candidates].copy()
         places = self._places(candidates)
         chosen: list[int] = []
@@ -162,7 +162,7 @@ def worth_of(
         raise InputError(f"activity {activity!r} is unknown; use {', '.join(ACTIVITIES)}")
     if len(bodies) < 2:
         raise InputError(
-            f"{len(bodies)} objects in orbit: collisions take two; give a larger catalogue"
+            f"{len(bodies)} objects in orbit: a collision needs two; give a larger catalogue"
         )
     order = np.argsort(bodies.shells[:, 0], kind="stable")
     lives = np.minimum(lifetimes(bodies.shells, bodies.areas, activity, years), years)

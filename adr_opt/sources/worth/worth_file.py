@@ -1,4 +1,4 @@
-"""The file ``adr-opt-worth/1``: worths alone of some objects, and what their pairs share."""
+"""The file ``adr-opt-worth/1``: worths alone of objects, and worths shared by their pairs."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class SetWorths:
 
     @property
     def digest(self) -> str:
-        """SHA-256 of names, worths and unit, by which results are told apart."""
+        """SHA-256 of names, worths and unit, which identifies results."""
         text = json.dumps([self.names, self.alone.tolist(), self.pairs.tolist(), self.prize_unit])
         return hashlib.sha256(text.encode()).hexdigest()
 
@@ -71,7 +71,7 @@ class SetWorths:
 
     @property
     def floors(self) -> FLOAT:
-        """Equation 10: worths that add up, to at most what removing a set avoids."""
+        """Equation 10: additive worths, whose sum is at most what removing a set avoids."""
         floors: FLOAT = self.alone - 0.5 * self.pairs.sum(axis=1)
         return np.maximum(floors, 0.0)
 
@@ -102,7 +102,7 @@ class SetWorths:
         for name in names:
             if name not in places:
                 raise InputError(
-                    f"worth of {name!r} is not known; write it with 'worth --pairs' and more "
+                    f"worth of {name!r} is unknown; write it with 'worth --pairs' and more "
                     "--candidates"
                 )
             found.append(places[name])
@@ -120,11 +120,11 @@ DIGITS = 10
 """Significant digits of worths in a file."""
 
 ROUNDED = 1e-6
-"""Relative excess of what an object shares over its worth alone that rounding may cause."""
+"""Relative excess of an object's shared worth over its worth alone that rounding may cause."""
 
 
 class RatedObject(Record):
-    """An object and its worth alone [fragment-years]; ``object`` is what tables call it."""
+    """An object and its worth alone [fragment-years]; ``object`` is its name in tables."""
 
     object: Name
     name: Name
@@ -161,7 +161,7 @@ class WorthFile(Record):
         names = Counter(each.name for each in self.objects)
         twice = [name for name, number in names.items() if number > 1]
         if twice:
-            raise ValueError(f"field objects: {twice[0]!r} is there twice; keep one")
+            raise ValueError(f"field objects: {twice[0]!r} occurs twice; keep one")
         shared = _symmetric(self.pairs).sum(axis=1)
         for each, sum_of_pairs in zip(self.objects, shared, strict=True):
             if sum_of_pairs > each.alone * (1.0 + ROUNDED):
@@ -239,7 +239,7 @@ def _symmetric(rows: Sequence[Sequence[float]]) -> FLOAT:
 
 
 def _rounded(value: float) -> float:
-    """A worth in :data:`DIGITS` significant digits."""
+    """A worth rounded to :data:`DIGITS` significant digits."""
     if value == 0.0:
         return 0.0
     return round(float(value), DIGITS - 1 - math.floor(math.log10(abs(value))))
