@@ -6,11 +6,11 @@ from adr_opt.problem.rules import CAMPAIGNS, FIRST, MODELLED, PLAYED, RELEASES, 
 from adr_opt.run.method_spec import MethodSpec, Practice
 
 MODEL = FIRST | MODELLED | {"capture windows", "end of life"}
-"""What follows from the connections, and the rules of 1.0."""
+"""Rules of 1.0, and those that follow from the connections."""
 
 ON_A_TANK = MODEL | {"visits between refuellings"}
-"""What moves, labels and walks of one chaser follow; walks that do not count visits bound those
-that do."""
+"""Rules followed by moves, labels and walks of one chaser; walks that ignore a count bound those
+that keep it."""
 
 AUTO = MethodSpec(
     "auto",

@@ -40,7 +40,7 @@ from .levels import BeamContext, LevelScratch, Weights
 FloatArray = npt.NDArray[np.float64]
 
 USUAL = -1.0
-"""Marks usual values of options."""
+"""Value of an option that stands for the usual one."""
 
 CANDIDATES = 8
 """Number of candidates examined per kept state: some are dominated, stranded, or at a full body."""
@@ -100,7 +100,7 @@ def usual_settings(mission: Mission, width: int) -> BeamSettings:
 
 @kernel
 def beam_kernel(rules, done, first, guide, guided, weights, halt):
-    """Beam search from states with the same body and the same targets done.
+    """Beam search from states at the same body with the same serviced targets.
 
     Parameters
     ----------

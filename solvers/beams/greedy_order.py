@@ -176,7 +176,7 @@ def _services(rules, is_required, state, visited, costs, way):
 
 @kernel
 def _missing(is_required, visited):
-    """Number of required targets that are not done."""
+    """Number of required targets not yet serviced."""
     count = 0
     for j in range(visited.size):
         count += is_required[j] and not visited[j]

@@ -1,4 +1,4 @@
-"""Beams that finish in time: a narrow one predicts how wide the others may be."""
+"""Beams that finish in time: a narrow beam predicts how wide the others may be."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PILOT_WIDTH = 100
 """Width of the search that predicts the time of a wide one."""
 
 ASKING_WIDTHS = (10, 30)
-"""Widths of searches before it, where rows are computed on demand, and each search is expensive."""
+"""Widths of searches before a wide one if rows are computed on demand and searches expensive."""
 
 PUNCTUAL = 0.9
 """Share of the remaining time that a search may be expected to take."""
@@ -35,7 +35,7 @@ def first_width(mission: Mission, usual: int) -> int:
 
 
 class Beams:
-    """Searches of one mission that finish in time: too wide ones are narrowed by the pace so far.
+    """Searches of one mission that finish in time; widths are limited by the pace so far.
 
     Parameters
     ----------

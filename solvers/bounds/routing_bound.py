@@ -68,7 +68,7 @@ def _least(j, departure, arrival, delta_v, rules):
 
 @kernel
 def _floor(i, j, leaving, orbits, extra_delta_v, transfer_rule, rules):
-    """The same minima in closed form, for any phase: lower, and without connections."""
+    """Closed-form lower bounds on these minima, for any phase and without connections."""
     pair = co_elliptic.prepare(leaving[i], orbits[j], extra_delta_v[i, j], transfer_rule, EPOCH_S)
     approach = transfer_rule.approach_revolutions * TURN_RAD / pair.rate_j
     if pair.floor_delta_v > rules.budget:

@@ -93,7 +93,7 @@ def _compare_exactly(
     constraints: Sequence[LinearConstraint],
     stop: Stop,
 ) -> None:
-    """Search for better plans until there is none, where prizes are too large for exact sums."""
+    """Search for better plans until none exists, where prizes are too large for exact sums."""
     worths = [column.worth for column in columns]
     while not certificate.proven and stop.remaining_s() > 0.0:
         goal = certificate.next_goal

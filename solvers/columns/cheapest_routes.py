@@ -20,7 +20,7 @@ from adr_opt.mission.schedule import Front
 
 
 class _State(NamedTuple):
-    """Done targets, position, whether it has refuelled, stops at limited stations, and counts.
+    """Serviced targets, position, whether it has refuelled, stops at limited stations, and counts.
 
     Then ``stops`` are the refuellings at those, in order of their numbers.
     """

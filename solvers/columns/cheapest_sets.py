@@ -92,7 +92,7 @@ class CheapestSets:
             self._least[key], self._route[key] = least, route
 
     def settle(self) -> float:
-        """Lower bound on plans of these sets; +inf if there is none.
+        """Lower bound on the cost of plans of these sets; +inf if there is none.
 
         Plans are offered that are cheaper than the one known.
         """

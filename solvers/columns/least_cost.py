@@ -86,7 +86,7 @@ class Prices(NamedTuple):
 
 
 class ProvenPrices(NamedTuple):
-    """A bound with what it rests on.
+    """A bound with its evidence.
 
     Attributes
     ----------
@@ -227,7 +227,7 @@ class ColumnCost(CostRounds):
         return found > 0
 
     def _by_labels(self, duals: Duals, prices: Prices, paid: np.ndarray) -> tuple[bool, bool]:
-        """Whether exact searches find such routes, and whether all have finished: then a bound."""
+        """Whether exact searches find such routes, and all have finished: then a bound."""
         new, finished, most = False, True, np.zeros(len(self._counts))
         for place in self._places:
             answered, routes = place.pricing.search(
@@ -273,7 +273,7 @@ class ColumnCost(CostRounds):
 
     @property
     def evidence(self) -> CostEvidence | None:
-        """What the bound rests on, of a ΔV, unless the final phase has raised it.
+        """Evidence of a bound on ΔV, unless the final phase has raised it.
 
         To verify the final phase would be to repeat it.
         """

@@ -1,4 +1,4 @@
-"""Pricing of columns: by beams, and by label setting that finds all or proves none."""
+"""Pricing of columns: by beams, and by label setting that finds all or proves that none exists."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ MOST_PLANS = 200
 """Maximum number of routes taken from one label search."""
 
 SHARES = (0.4, 0.0)
-"""How far above what is of use quick searches look first, as a share of what walks reach: the
-fewer routes are looked for the fewer labels it takes."""
+"""First threshold of quick searches, between the least useful worth and the best walk's: fewer
+routes take fewer labels."""
 
 WIDTH = 200
 """Width of beams."""

@@ -56,7 +56,7 @@ ENDS = 0.99
 """Share of a step above the incumbent at which a bound ends the proof."""
 
 LOWERED = 0.25
-"""Share of the distance between bound and master that is to be left of it."""
+"""Share of the distance between bound and master that one lowering of the bound leaves."""
 
 NEAR, SOLVED = 0.01, 0.001
 """Distances of the bound from the master at which cuts are added and at which it counts as solved,
@@ -69,8 +69,8 @@ MOST_CUTS = 400
 """Number of cuts beyond which none is added."""
 
 MANY_STEPS = 4.0
-"""Number of steps between the bound and the master beyond which the bound is lowered by parts:
-to end the proof at once takes all routes that are worth a little less than the duals say."""
+"""Number of steps between bound and master beyond which the bound is lowered in parts: ending the
+proof at once needs all routes of slightly negative reduced worth."""
 
 ITERATIONS, LABELS = 6, 1_000_000
 """Iterations of column generation per round, and number of labels after which none begins in it."""
@@ -90,7 +90,7 @@ class Multipliers(NamedTuple):
 
 
 class PricedRoutes(NamedTuple):
-    """Multipliers, the most that routes of each kind are worth less them, and the bound of both."""
+    """Multipliers, the largest reduced worth of routes of each kind, and the resulting bound."""
 
     multipliers: Multipliers
     most_worth: np.ndarray
@@ -238,7 +238,7 @@ class ColumnProof:
         return ends if lower < ends else lower
 
     def _attained(self, duals: Duals, near: float) -> bool:
-        """Whether the bound is nearly what the known routes mix to: then few are missing."""
+        """Whether the bound is near the master's value, so that few routes are missing."""
         return self._least - duals.value <= near * self._largest
 
     def _near(self, duals: Duals) -> Multipliers:
@@ -362,7 +362,7 @@ class ColumnProof:
     def _by_labels(
         self, duals: Duals, multipliers: Multipliers, enough: Callable[[], bool]
     ) -> tuple[bool, float]:
-        """Whether exact label searches find such routes, and their bound; +inf if they gave up."""
+        """Whether exact label searches find such routes, and their bound; +inf if they give up."""
         bound, new = self._problem.limits.total(multipliers.targets), False
         bound += math.fsum(multipliers.cuts)
         known = bound + math.fsum(self._counts * duals.kinds)

@@ -66,7 +66,7 @@ def worth_a_goal(
 
 
 class EnumerationAnswer(Enum):
-    """Answer to the search for a better plan."""
+    """Answer of the search for a better plan."""
 
     NONE = "there is none"
     FOUND = "there is one"
@@ -90,7 +90,7 @@ class Finish:
         self._cuts = 0.0
 
     def cut(self, cuts: Sequence[Cut]) -> None:
-        """Make routes pay for cuts, which of all their targets are known to them."""
+        """Make routes pay for cuts, all of whose targets they remember."""
         self._cuts = math.fsum(cut.multiplier for cut in cuts)
         for search in self._searches:
             search.cut(cuts, forgetful=False)

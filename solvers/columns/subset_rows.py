@@ -1,4 +1,4 @@
-"""Subset-row cuts of a master: separation, prices, and what walks have to remember of them.
+"""Subset-row cuts of a master: separation, prices, and the memory that walks need for them.
 
 For three targets, at most one route of a plan services two of them or more; a mixture of routes may
 take half of each of three (Jepsen, Petersen, Spoorendonk and Pisinger 2008). The master has the
@@ -26,10 +26,10 @@ PER_ROUND, PER_TARGET = 30, 6
 """Maximum number of new cuts at once, of all and of those with the same target."""
 
 WHOLE = 1e-6
-"""Difference up to which a share in the mixture counts as whole, or as none."""
+"""Tolerance within which a share in the mixture counts as one or zero."""
 
 SMALL = 1e-9
-"""Share in a mixture, and multiplier as a share of the largest prize, that count as none."""
+"""Share in a mixture, and multiplier as a share of the largest prize, that count as zero."""
 
 Rows = tuple[int, ...]
 
@@ -92,7 +92,7 @@ class SubsetRows:
         self._memory: list[set[int]] = []
 
     def add(self, rows: Iterable[Rows], routes: Iterable[tuple[int, ...]]) -> list[Rows]:
-        """Add cuts that are new, with all that they need to remember of some routes."""
+        """Add new cuts, with the memory that some routes need to pay them."""
         new = [each for each in rows if each not in self.rows]
         self.rows += new
         self._memory += [set(each) for each in new]
@@ -128,14 +128,14 @@ class SubsetRows:
         )
 
     def paid(self, targets: frozenset[int], multipliers: np.ndarray) -> float:
-        """What a route of some targets pays."""
+        """Payment of a route of some targets for cuts."""
         return sum(
             float(multipliers[at]) * times_paid(self.rows[at], targets)
             for at in np.flatnonzero(multipliers)
         )
 
     def remember(self, route: Sequence[int], multipliers: np.ndarray) -> int:
-        """Make memories grow until a walk on a route pays all cuts that have a multiplier.
+        """Extend memories until a walk along a route pays all cuts that have a multiplier.
 
         Returns
         -------

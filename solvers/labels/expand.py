@@ -22,7 +22,7 @@ Array = npt.NDArray[Any]
 
 
 class Expanded(NamedTuple):
-    """What came of it.
+    """Outcome of an expansion.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ def _nowhere(labels: ClosedLabels) -> Array:
 
 
 def finder(legs: Legs, question: Question, labels: ClosedLabels) -> Finder:
-    """Looks for labels of a list that dominate others."""
+    """Function that finds labels of a list that dominate others."""
     known = _known(legs, labels)
 
     def find(others: ClosedLabels) -> Array:
@@ -145,7 +145,7 @@ def _joined(parts: list[ClosedLabels]) -> ClosedLabels:
 
 
 def expand(legs: Legs, question: Question, starts: ClosedLabels) -> Expanded:
-    """Make the list: the labels that none before them dominates, from the first one on.
+    """Make the closed list: extend labels in order, and drop those dominated by earlier ones.
 
     Labels are gone through in windows of time shorter than every leg, so that all of a window are
     there when it begins.

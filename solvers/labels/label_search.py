@@ -51,7 +51,7 @@ LEAST_GAIN, LEAST_NEED = -(2.0**57), -(2**61)
 """Least gain of a service, and least threshold of a search [fine units]."""
 
 ANY_WORTH = -1e300
-"""Below any worth."""
+"""Value below any worth."""
 
 WALKS = 1000
 """Number of walks to learn from after a search."""

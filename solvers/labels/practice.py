@@ -1,4 +1,4 @@
-"""Practice of label searches: what short runs of column generation need not reach."""
+"""Practice of label searches: code that short runs of column generation may not reach."""
 
 from __future__ import annotations
 

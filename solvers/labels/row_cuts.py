@@ -1,4 +1,4 @@
-"""Subset-row cuts in labels: what a walk still owes, and by how much that blurs dominance.
+"""Subset-row cuts in labels: tolls that a walk still owes, and their effect on dominance.
 
 A *subset-row cut* of three targets says that routes which service two or three of them are at most
 one in any plan (Jepsen, Petersen, Spoorendonk and Pisinger 2008). With a multiplier σ ≥ 0 every
@@ -78,7 +78,7 @@ def words_for(bodies: int, cuts: int = 0) -> int:
 
 
 def remember_cuts(neighbourhood: np.ndarray, cuts: Sequence[Cut], bodies: int) -> None:
-    """Write which cuts walks remember at each body."""
+    """Write the cuts that walks remember at each body."""
     for number, cut in enumerate(cuts):
         word, bit = divmod(bodies + number, WORD)
         neighbourhood[:, word] &= ~(1 << bit)
@@ -101,7 +101,7 @@ def toll_at(cuts, labels, label, neighbourhood, j):
 
 @inlined
 def count_row(cuts, remembered, j):
-    """Count a service of j in a memory: one that pays begins anew."""
+    """Count a service of j in a memory; a service that pays resets the count."""
     if cuts is None:
         return
     for w in range(remembered.size):

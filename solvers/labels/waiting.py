@@ -92,7 +92,7 @@ class Candidate(NamedTuple):
 
 
 class LabelTerms(NamedTuple):
-    """What tells labels apart besides their values and memories.
+    """Data that distinguish labels besides their values and memories.
 
     Attributes
     ----------

@@ -83,7 +83,7 @@ class SolverModel(Protocol):
     """A network modelled for a solver."""
 
     def solve(self, *, seed: int, hear: Hear) -> SolverAnswer:
-        """Solve it as far as time allows."""
+        """Solve the model as far as time allows."""
         ...
 
     def forbid(self, groups: list[list[int]]) -> None:
@@ -185,7 +185,7 @@ class _Course:
         }
 
     def enough(self) -> bool:
-        """Whether ``stop`` says so; queried once per iteration."""
+        """Whether to stop; ``stop`` is queried once per iteration."""
         known = self._certificate
         self._ended = self._ended or known.proven or self._stop(known.incumbent, known.bound)
         return self._ended

@@ -39,7 +39,7 @@ BITS = 16
 """Bits of a packed value for the body before, or after: ``value << BITS | body``."""
 
 NOBODY = 2**BITS - 1
-"""Marks that the path may come from, or go to, any body."""
+"""Mark of a path that may come from, or go to, any body."""
 
 NEVER = -(2**61)
 LARGEST = 2**40

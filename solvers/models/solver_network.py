@@ -217,7 +217,7 @@ def of_rows(rows: Rows, rules: Rules) -> SolverNetwork:
 
 
 def keep(network: SolverNetwork, kept: np.ndarray, rules: Rules) -> SolverNetwork:
-    """Network of some of its legs, without those thereby made superfluous.
+    """The network restricted to some legs, without those thereby made superfluous.
 
     Parameters
     ----------

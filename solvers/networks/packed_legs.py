@@ -42,7 +42,7 @@ MOST = 2**15 - 2
 """Maximum number of steps, bodies and units, which fit in 16 bits without affecting the sign."""
 
 NEVER = 2**62
-"""More steps than any mission has."""
+"""Number of steps above that of any mission."""
 
 
 class Stream(NamedTuple):

@@ -1,4 +1,4 @@
-"""Orders of targets under local changes, with fronts of how far they can be flown.
+"""Orders of targets under local changes, with Pareto fronts of their forward and backward flights.
 
 The Pareto fronts of :mod:`.fronts` at every target of an order, from both ends. Those backwards are
 whole; those forwards are the ones that are early enough for the rest, which are few.
@@ -131,7 +131,7 @@ def insert(order, source, position):
 
 @inlined
 def _plain_left(connections, course, i, j, k, refuels):
-    """What :func:`left_with` says where all fronts plainly are single points; NaN elsewhere."""
+    """Result of :func:`left_with` where all fronts are evidently single points; NaN elsewhere."""
     came, suffices = course.came, course.suffices
     left = np.nan
     if came.size[i] == 1 and suffices.size[k] == 1:
@@ -176,7 +176,7 @@ def left_with(rules, connections, course, length, j, p, latest, workspace):
 
 @kernel
 def find_room(rules, course, length, workspace):
-    """Write what :func:`best_position` has to know about each position."""
+    """Write the data on each position that :func:`best_position` needs."""
     course, workspace = borrowed(course), borrowed(workspace)
     for p in range(length + 1):
         i = _before(rules, course.order, p)
@@ -188,7 +188,7 @@ def find_room(rules, course, length, workspace):
 
 @inlined
 def has_room(reach, before, room, order, length, j):
-    """Whether there is a position with room for a target: mostly not, and a call takes longer."""
+    """Whether a position has room for a target; cheaper than a call, as most have none."""
     for p in range(length):
         if reach.into[j, before[p]] + reach.shortest[j, order[p]] <= room[p]:
             return True

@@ -134,7 +134,7 @@ def table_of(mission: Mission, stop: Stop | None = None) -> ConnectionTable:
 
 @kernel
 def is_varied(connections):
-    """Whether connections of a pair differ in ΔV by what tells points of a front apart."""
+    """Whether connections of a pair differ in ΔV by at least the step between points of a front."""
     for i in range(connections.total.shape[0]):
         for j in range(connections.total.shape[1]):
             most = connections.least[i, j] + connections.budget / STEPS

@@ -26,10 +26,10 @@ CELLS = 73
 """Number of time cells per mission: five days each if it takes a year."""
 
 PAIR_S, TIME_SHARE = 15e-6, 0.25
-"""Time of the bounds of a pair, and the most of the remaining time that all may take."""
+"""Time to compute the bounds of a pair [s], and largest share of the remaining time for all."""
 
 MEMORY_SHARE = 0.25
-"""Share of free memory that they may take."""
+"""Share of free memory that the bounds may take."""
 
 SPANS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, CELLS)
 """Spans in cells for which bounds are kept; others use the next longer one."""

@@ -1,4 +1,4 @@
-"""Pareto fronts that plainly are single points, without a call: see :mod:`.fronts`.
+"""Shortcut for Pareto fronts that are evidently single points; see :mod:`.fronts`.
 
 Where ΔV does not matter all fronts are, and orders are timed several times as fast by a bisection
 or two for each target. A front takes a closer look where a later arrival might have more ΔV left by
@@ -18,7 +18,7 @@ from .fronts import first_by_end
 
 @inlined
 def arrives(connections, i, j, refuels, ready, tank, latest):
-    """The front of :func:`.fronts.forwards` if it plainly is one point, as is the one before.
+    """The front of :func:`.fronts.forwards` if it and the previous one are evidently one point.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def arrives(connections, i, j, refuels, ready, tank, latest):
 
 @inlined
 def leaves(connections, i, j, latest, needed, earliest):
-    """The front of :func:`.fronts_backward.backwards` if it plainly is one point, as is the next.
+    """The front of :func:`.fronts_backward.backwards` if it and the next are evidently one point.
 
     Parameters
     ----------

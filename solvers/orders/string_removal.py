@@ -39,8 +39,8 @@ HOT, COLD = 1.0, 0.03
 """First and last temperature of the annealing, in mean prizes."""
 
 TIME_COUNTS = 0.3
-"""Share of the value of time in the objective of an order. Targets that are hard to reach take more
-of it than their prize is worth, and time saved for nothing makes no order better."""
+"""Weight of time in the objective of an order, as a share of its value. At full weight, remote
+targets would cost more time than their prize is worth, and unused time would count as gain."""
 
 NEIGHBOURS = 3
 """Number of nearest targets whose mean distance defines the remoteness of a target."""
@@ -52,7 +52,8 @@ MANY = 10
 """Ratio of iterations where all connections of a pair take about the same ΔV to those elsewhere."""
 
 AS_LONG, GROWTH, MOST_GROWTH = 4, 4, 3
-"""There, number of annealings of the same length, growth of that, and how often it grows."""
+"""In the former case, number of annealings of equal length, growth of the length, and number of
+growths."""
 
 BY_ABSENCE, BY_REMOTENESS, BY_PRIZE = 0.3, 0.5, 0.8
 """Cumulative shares of the orders in which missing targets are reinserted: those missing most often

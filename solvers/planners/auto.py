@@ -23,7 +23,7 @@ def auto(
     start: Iterable[Iterable[int]] | None = None,
     options: AutoOptions = AutoOptions(),
 ) -> Result:
-    """The best plan that the time allows, with a proof if one is found.
+    """The best plan within the time, with a proof if one is found.
 
     Plans by the first of :data:`.engines.ENGINES` that serves the problem. For most it begins with
     the guarded greedy plan and the searches of ``beam``, behind which it never falls for that

@@ -1,4 +1,4 @@
-"""The least cost at the best prize: what engines go on with once no more can be collected."""
+"""The least cost at the best prize: the next task of engines once prizes are proven."""
 
 from __future__ import annotations
 

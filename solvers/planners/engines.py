@@ -1,4 +1,4 @@
-"""The engines of ``auto`` and ``exact``, by what a mission is: a table, of which the first serves.
+"""The table of engines of ``auto`` and ``exact``: the first that serves a mission plans it.
 
 The page *Planners and bounds* has the same table, made by :func:`page_table`.
 """
@@ -19,7 +19,7 @@ from . import label_setting, many_routes, one_route, timed_routes, tours
 
 
 class PlanCall(Protocol):
-    """How every engine is called."""
+    """Interface of all engines."""
 
     def __call__(
         self,
@@ -38,7 +38,7 @@ class PlanCall(Protocol):
 
 @dataclass(frozen=True)
 class PlanningEngine:
-    """A way to plan, the missions that it is for, and what it proves.
+    """An engine: a planning method, the missions that it serves, and its proofs.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The exact method: a plan, and a search for a better one that ends when there is none."""
+"""The exact method: a plan, and a search for better ones that ends when none exists."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .engines import engine_for
 from .options import ExactOptions
 
 LEAST_COST = Follower("option cost", EXACT.follows - {"prizes that fall"}, "leave the option out")
-"""Proofs of the least ΔV or expense."""
+"""Rules followed by proofs of the least ΔV or expense."""
 
 
 def exact(

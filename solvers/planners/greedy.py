@@ -99,7 +99,7 @@ def greedy_guarded(
     progress: Progress,
     options: GuardedOptions = GuardedOptions(),
 ) -> Result:
-    """Greedy that takes only targets after which the chaser can refuel, or no longer needs to.
+    """Greedy restricted to targets after which the chaser can refuel or need not.
 
     The same rule as :func:`greedy` with one guard and, by default, a price on time, so that a
     cheap transfer is not waited for while a zone is closed; as quick.

@@ -1,4 +1,4 @@
-"""Local search: improves a plan by ruin and recreate, of the kind that its mission is for.
+"""Local search: improves a plan by the kind of ruin and recreate suited to the mission.
 
 Where arrivals are all that matters, that is the route engine (:mod:`..routes.route_engine`). Where
 planes drift or costs are given, strings of targets are taken out of the order and put back in

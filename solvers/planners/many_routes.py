@@ -36,7 +36,7 @@ FIRST_MOVES, MOST_MOVES = 20, 160
 """Moves of the search per round: the first number, doubled up to the second."""
 
 USUAL_SWEEP_S = 0.017
-"""Time of a sweep of the walks at which these numbers are used [s]."""
+"""Duration of a sweep of walks to which these numbers refer [s]."""
 
 WIDTH = 100
 """Width of the beams of a move; the narrowest if rows are computed on demand."""
@@ -48,11 +48,11 @@ FOR_COST = 0.2
 """Share of the remaining time for reducing the plan's cost."""
 
 LAST_FOR_COST = 0.1
-"""Share of all time reserved for it if the cost is not ΔV."""
+"""Share of all time reserved for reducing the cost if it is not ΔV."""
 
 EXCHANGES = 30
-"""Exchanges per serviced target that reduce the plan's cost; also in each round where planes drift,
-so that routes are more than a way through a cloud."""
+"""Exchanges per serviced target that reduce the plan's cost; where planes drift also in each round,
+to improve on first routes through a cloud."""
 
 
 class _Prover(ConcurrentProof[ColumnProof]):
@@ -156,7 +156,7 @@ class _Search:
         return self.exchanges.anneal(many, stop)
 
     def meet(self, prover: _Prover | None) -> None:
-        """Receive dual prices of targets, and do more in the next round."""
+        """Receive dual prices of targets, and increase the effort of the next round."""
         if prover is not None:
             self.routes.multipliers = prover.multipliers
         self._moves = min(2 * self._moves, self._most_moves)
@@ -179,7 +179,7 @@ def plan(
     options: AutoOptions | ExactOptions,
     goals: Goals | None = None,
 ) -> Result:
-    """The best plan that the time allows, with a proof if one is found.
+    """The best plan within the time, with a proof if one is found.
 
     Rounds, each with more effort than the one before: ruin and recreate across routes
     (:class:`solvers.routes.route_search.RouteSearch`) side by side with column generation

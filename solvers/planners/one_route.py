@@ -159,7 +159,7 @@ class RouteSearches:
             self.usual(self._usual)
 
     def _is_unbounded(self, rounds: int) -> bool:
-        """Whether the searches have proven nothing so far, and hardly will in the next ones."""
+        """Whether nothing is proven so far, nor likely to be in the next rounds."""
         bound = self._certificate.bound
         return self.drifts and bound >= self._mission.total_worth and rounds > 2
 
@@ -289,7 +289,7 @@ class RouteSearches:
         return search
 
     def meet(self, prover: Prover | None) -> None:
-        """Collect results of threads, and do more in the next round."""
+        """Collect results of threads, and increase the effort of the next round."""
         if self._found.sequence is not None:
             self._certificate.offer(self._found.sequence)
         self._width = min(2 * self._width, WIDEST)
@@ -321,7 +321,7 @@ def _prover(mission: Mission, certificate: GapTracker, stop: Stop, options: Proo
 
 
 def _one_after_another(first: Task | None, then: Task) -> Task:
-    """Two tasks as one, in sequence."""
+    """A task that runs two tasks in sequence."""
 
     def both() -> None:
         if first is not None:
@@ -341,7 +341,7 @@ def plan(
     start: Iterable[Iterable[int]] | None,
     options: AutoOptions,
 ) -> Result:
-    """The best plan of one chaser that the time allows, with a proof if one is found.
+    """The best plan of one chaser within the time, with a proof if one is found.
 
     Begins with the guarded greedy plan, a few annealings of its order where planes drift or costs
     are given, and the searches of ``beam``. Then rounds: one of proof

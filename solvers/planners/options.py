@@ -47,7 +47,7 @@ class AutoOptions(ProofOptions, method="auto"):
 
     @property
     def goals(self) -> Goals:
-        """What is asked of an engine."""
+        """Goals of the engine, from these options."""
         return Goals(proves=self.prove, cost=self.cost and self.prove)
 
 
@@ -64,5 +64,5 @@ class ExactOptions(ProofOptions, method="exact"):
 
     @property
     def goals(self) -> Goals:
-        """What is asked of an engine."""
+        """Goals of the engine, from these options."""
         return Goals(until_done=True, cost=self.cost)

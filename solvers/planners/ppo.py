@@ -90,8 +90,8 @@ def ppo(
     learned = load_policy(options.policy or SHIPPED)
     if mission.timetable.pairs.near.shape[1] < len(mission.names) - 1:
         raise InputError(
-            f"ppo plans on the timetable of all pairs, and {len(mission.names)} bodies are too "
-            "many for that; take fewer targets, or another method"
+            f"ppo needs the timetable of all pairs, for which {len(mission.names)} bodies are too "
+            "many; take fewer targets, or another method"
         )
     instance = mission.instance
     budget, duration = instance.chaser.tank.delta_v_m_s, instance.mission.duration_s

@@ -1,4 +1,4 @@
-"""Planning where arrivals are all that matters: functions of time, and ends of given connections.
+"""Planning where only arrivals matter: functions of time, and ends of given connections.
 
 The route engine first, for as much work as it gains by (:mod:`..routes.route_engine`). Then the
 proof: where a tour of all targets by one chaser is to end first, by sets of targets
@@ -93,7 +93,7 @@ def plan(
 
 
 class _Asked(ShareOfTime):
-    """A share of the time in which the criterion is asked, of the plan and bound in truth."""
+    """A share of the time, in which the criterion is queried with the true plan and bound."""
 
     def __init__(self, stop: Stop, share: float, certificate: GapTracker) -> None:
         super().__init__(stop, share)

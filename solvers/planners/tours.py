@@ -30,7 +30,7 @@ def search(
     start: Iterable[Iterable[int]] | None,
     options: ProofOptions,
 ) -> Result:
-    """The best campaign that the time allows, from no ``start``; nothing is proven of its cost."""
+    """The best campaign within the time, without a start plan or a proof of its cost."""
     began_s = now_s()
     planned = plan_tours(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     return certified_tour(method, problem, planned, seed=seed, began_s=began_s)
@@ -46,7 +46,7 @@ def prove(
     start: Iterable[Iterable[int]] | None,
     options: ProofOptions,
 ) -> Result:
-    """A campaign, and a bound on the cost of all, where that is an expense by mass.
+    """A campaign, and a bound on the cost of all campaigns if it is an expense by mass.
 
     Without a limit of legs, or with very short services, nothing is proven of the cost. No
     ``start`` is used.

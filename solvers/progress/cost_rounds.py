@@ -43,7 +43,7 @@ class CostRounds(Protocol):
 
 
 def least_worth_of(problem: Prizes, worth: float) -> float:
-    """Least worth of plans in a cost proof, where plans worth as much as another are meant.
+    """Least worth of plans in a cost proof, with a tolerance for plans of equal worth.
 
     A little less, so that no rounding of a sum of prizes counts, but far more than any plan has
     that collects less.

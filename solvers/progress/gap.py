@@ -76,7 +76,7 @@ class GapTracker:
         return better
 
     def tell(self, incumbent: float, bound: float) -> None:
-        """Report an incumbent or a bound that may have been found elsewhere.
+        """Report an incumbent or a bound, possibly found elsewhere.
 
         Two threads may tell at once, and neither knows all that the other has told; what is heard
         never gets worse all the same.

@@ -72,7 +72,7 @@ class Incumbent:
         return True
 
     def _cost_of(self, routes: Routes) -> tuple[float, float]:
-        """Total cost of routes, +inf if they are no plan, and what prizes have fallen by."""
+        """Total cost of routes, +inf if they are not a plan, and the losses of falling prizes."""
         problem, costs, uses, lost = self._problem, list[float](), list[Use](), 0.0
         first = problem.instance.first_target
         targets = [j for route in routes for j in route if j >= first]

@@ -76,7 +76,7 @@ def bound_notes(problem: Mission | Problem) -> list[str]:
     notes = _rounded(problem)
     if not fits_memory(problem):
         notes.append(
-            f"nothing was proven: there is no memory for the network of about "
+            f"nothing was proven: too little memory for the network of about "
             f"{CONNECTIONS_PER_EVENT * _entries(problem):.2g} connections; take fewer targets or a "
             "shorter mission"
         )

@@ -1,4 +1,4 @@
-"""Proof of least ΔV at the best prize: the relaxation with walks that pay for their use.
+"""Proof of least ΔV at the best prize: the relaxation with walks that pay for ΔV.
 
 Of the plans worth at least P, which costs least? With a price λ on worth, in m/s, every such plan
 costs at least
@@ -58,10 +58,10 @@ FIRST_LABELS, GROWTH = 4_000_000, 2
 """Maximum number of labels in the first searches, and its growth factor."""
 
 NEAR = 0.15
-"""Gap, as a share of the known cost, within which all of it is searched at first."""
+"""Gap, as a share of the known cost, below which the whole gap is searched at once."""
 
 STATED_LESS = 2e-7
-"""Share by which the evidence states less than the bound, so that no rounding counts."""
+"""Share by which the evidence states less than the bound, to cover rounding."""
 
 LEAST_SHARE = 1.0 / 8.0
 """Least share of the gap searched before more labels are allowed."""

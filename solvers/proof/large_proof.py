@@ -1,4 +1,4 @@
-"""Proof for networks too large to hold completely: a bound at every size.
+"""Proof for networks too large for memory: a bound at every size.
 
 First every service is taken at its least time and ΔV (:mod:`solvers.walks.floors`), which takes no
 time to speak of. Then, if the legs of all origins fit into memory and can be made in time, as whole
@@ -47,7 +47,7 @@ MEMORY_SHARE = 0.5
 """Share of free memory for the legs."""
 
 TIME_SHARE = 0.7
-"""Share of the time for making the legs, as their use must follow."""
+"""Share of the time for making the legs, as evaluations must follow."""
 
 UNITS_M_S = (5.0, 20.0, 50.0, 150.0)
 """Units of ΔV, of which the finest that fits is used [m/s]."""
@@ -59,7 +59,7 @@ PAYING_SHARE = 0.25
 """Share of the time after which paying walks must have converged, if others follow."""
 
 TANK_BYTES = 4.0 * 2**30
-"""Maximum memory of their values [bytes]."""
+"""Maximum memory of the values of walks that track the tank [bytes]."""
 
 TANK_S = 4e-9
 """Time of one evaluation per leg and unit, on one core [s]."""

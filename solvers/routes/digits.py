@@ -21,7 +21,7 @@ from scipy.sparse import csc_array, hstack
 from adr_opt.mission.problem import Problem
 
 BASE = 2**12
-"""Base of the digits: a thousand columns integral to 10⁻⁶ each miss a sum by far less than 1."""
+"""Base of the digits: a thousand columns, integral to 10⁻⁶, err in a sum by far less than 1."""
 
 FEW = 1e6
 """Sums of numbers below this are compared directly."""

@@ -1,4 +1,4 @@
-"""Rounds of the route engine, and the first plan before there is a timetable."""
+"""Rounds of the route engine, and the first plan before a timetable exists."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .route_engine import RouteEngine
 from .ways import serves
 
 FRUITLESS, MOST_ROUNDS = 3, 6
-"""Rounds without a gain after which the engine first pauses for other work, and at most."""
+"""Rounds without gain after which the engine pauses for other work: at first, and at most."""
 
 BEFORE_TABLE = 0.4
-"""Most of the remaining time that goes to the first plan."""
+"""Largest share of the remaining time for the first plan."""
 
 
 class EngineRounds:
-    """Rounds of two engines beside each other: from the best plan, and from nothing.
+    """Rounds of two concurrent engines: one from the best plan, one from scratch.
 
     What an annealing ends at depends on where it begins. Does nothing for problems that the engine
     does not serve.
@@ -60,11 +60,11 @@ class EngineRounds:
         self.counters = {"rounds": 0, "iterations": 0}
 
     def at_first(self) -> None:
-        """The rounds before any other work: a fixed number, if there is time."""
+        """The rounds before any other work: a fixed number, time permitting."""
         self.until(FRUITLESS, MOST_ROUNDS)
 
     def until(self, fruitless: int = 0, most: int = 0) -> None:
-        """Go on until there is no time left, or no gain for some rounds; 0 for any number."""
+        """Continue until time runs out, or for some rounds without gain; 0 for no such limit."""
         certificate, stop, idle, made = self._certificate, self._stop, 0, 0
         with ThreadPoolExecutor(self._cores) as threads:
             while self._engines and not stop(certificate.incumbent, certificate.bound):

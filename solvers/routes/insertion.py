@@ -1,4 +1,4 @@
-"""Where a target fits into an order best, found without looking at the rest.
+"""Best insertion of a target into an order, in constant time per position.
 
 As every stop has its earliest and its latest time, a target fits in between two of them if it is
 reached from the one and leads to the other in time (Savelsbergh, Annals of Operations Research 4,
@@ -21,10 +21,11 @@ from .orders import cost_of, is_start, time_back, time_forth
 from .ways import arrives
 
 TIME_SPENT = 1e-3
-"""Weight of the time that it takes to get to a target and service it, among equal delays."""
+"""Weight of the time to reach and service a target, as a tie-breaker between equal delays."""
 
 MOST_KNOWN = 600
-"""Nodes up to which what was found is kept: beyond, memory is slower than looking it up."""
+"""Number of nodes up to which look-ups are cached; beyond it, the cache is slower than a
+look-up."""
 
 
 class Gaps(NamedTuple):
@@ -59,7 +60,7 @@ class Gaps(NamedTuple):
 
 @kernel
 def new_gaps(stops, nodes):
-    """Storage for the gaps of an order of at most so many stops."""
+    """Storage for the gaps of an order, up to a maximum number of stops."""
     rows = nodes * nodes if nodes <= MOST_KNOWN else 0
     known = np.empty((rows, 4))
     for row in range(rows):
@@ -98,7 +99,7 @@ def find_gaps(ways, terms, order, length, by_slack, gaps):
 
 @inlined
 def _through(ways, gaps, i, j, k, ready, latest):
-    """Ends at a target between two stops and at the second; +inf at the latter if it is late."""
+    """Ends of service at a target between two stops and at the second; +inf if that is late."""
     known, row = gaps.known, j * ways.body.size + i
     keeps = known.shape[0] > 0
     if keeps and known[row, 0] == ready:
@@ -120,7 +121,7 @@ def _through(ways, gaps, i, j, k, ready, latest):
 
 @inlined
 def best_position(ways, terms, order, gaps, length, j, passed_over, rng):
-    """The position at which a target delays what follows least, or leaves it most time.
+    """The position at which a target delays the following stops least, or leaves them most slack.
 
     Parameters
     ----------
@@ -178,7 +179,7 @@ def best_position(ways, terms, order, gaps, length, j, passed_over, rng):
 
 @kernel
 def insert(ways, order, length, j, position, chaser, deadline):
-    """Insert a missing target at a position, and time what changes."""
+    """Insert a missing target at a position, and update the times that change."""
     ways, order = borrowed(ways), borrowed(order)
     nodes = order.nodes
     source = length

@@ -17,7 +17,7 @@ RouteOf = Callable[[Mission], Iterable[int]]
 
 
 def left(problem: Problem, done: Iterable[int]) -> FloatArray:
-    """Worths of remaining targets, and −inf for done ones, shape (bodies,)."""
+    """Worths of remaining targets, and −inf for serviced ones, shape (bodies,)."""
     worths = np.array(problem.planning_prizes)
     for j in done:
         worths[j] = -np.inf
@@ -54,7 +54,7 @@ def one_after_another(problem: Problem, route_of: RouteOf) -> Routes:
 
 
 def without_empty(problem: Problem, worths: FloatArray, uses: Sequence[Use]) -> FloatArray:
-    """The same worths, without stations whose supplies are exhausted.
+    """Worths with −inf at stations whose supplies are exhausted.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ class Order(NamedTuple):
 
 
 class EngineTerms(NamedTuple):
-    """What routes may be and what they are worth.
+    """Limits and worths of routes.
 
     Attributes
     ----------
@@ -103,14 +103,14 @@ def is_end(ways, node):
 
 @inlined
 def cost_of(ways, a, b):
-    """What a leg between two nodes costs at most [m/s]."""
+    """Largest cost of a leg between two nodes [m/s]."""
     pair = pair_of(ways, a, b)
     return ways.cost[pair] if pair >= 0 else 0.0
 
 
 @kernel
 def time_forth(ways, order, first, length, settled):
-    """Earliest times from a position on, to where they are as before from ``settled`` on."""
+    """Update earliest times from a position on, until unchanged from ``settled`` on."""
     ways, order = borrowed(ways), borrowed(order)
     nodes, early = order.nodes, order.early
     for p in range(first, length):
@@ -125,7 +125,7 @@ def time_forth(ways, order, first, length, settled):
 
 @kernel
 def time_back(ways, order, last, settled, deadline):
-    """Latest times from a position down, to where they are as before at ``settled`` or below."""
+    """Update latest times back from a position, until unchanged at ``settled`` or before."""
     ways, order = borrowed(ways), borrowed(order)
     nodes, late = order.nodes, order.late
     for p in range(last, -1, -1):
@@ -140,7 +140,7 @@ def time_back(ways, order, last, settled, deadline):
 
 @kernel
 def count_all(ways, order, length):
-    """Count the targets of all chasers and what their legs cost."""
+    """Count the targets of all chasers and the costs of their legs."""
     ways, order = borrowed(ways), borrowed(order)
     chaser = -1
     for p in range(length):

@@ -1,4 +1,4 @@
-"""Recreate: the ways to put missing targets back into the order of all chasers."""
+"""Recreate: operators that reinsert missing targets into the order of all chasers."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from adr_opt.kernels.core.memory import borrowed
 from .insertion import best_position, find_gaps, insert
 
 PASSED_OVER = 0.03
-"""Probability that a position is passed over by targets inserted in turn."""
+"""Probability that a position is skipped when targets are inserted in turn."""
 
 MOST_TRIED, MOST_COMPARED = 250, 120
-"""Maximum number of missing targets that are tried, and that are compared each time."""
+"""Maximum number of missing targets tried, and number compared at each insertion."""
 
 BY_REGRET = 0.2
-"""Share of the others that are by regret."""
+"""Share of the other iterations that insert by regret."""
 
 SELDOM = 0.003
-"""Share of the iterations in which a target counts as missing that never is."""
+"""Share of iterations for which a target counts as missing that never was."""
 
 
 @kernel
 def _draw_missing(terms, order, length, absent, by_need, rng):
-    """Missing targets in the order in which they are to be inserted, as far as they are tried."""
+    """Missing targets to be tried, in the order of insertion."""
     terms, order = borrowed(terms), borrowed(order)
     missing = order.nodes.size - length
     keys, way = np.empty(missing), rng.random()
@@ -50,7 +50,7 @@ def _draw_missing(terms, order, length, absent, by_need, rng):
 
 @kernel
 def insert_in_turn(ways, terms, order, length, gaps, absent, deadline, by_slack, rng):  # noqa: PLR0913
-    """Insert missing targets in an order that is drawn; returns the number of stops."""
+    """Insert missing targets in a random order; returns the number of stops."""
     ways, terms, order = borrowed(ways), borrowed(terms), borrowed(order)
     gaps = borrowed(gaps)
     drawn = _draw_missing(terms, order, length, absent, by_slack, rng)
@@ -68,7 +68,7 @@ def insert_in_turn(ways, terms, order, length, gaps, absent, deadline, by_slack,
 
 @kernel
 def insert_best(ways, terms, order, length, gaps, absent, deadline, pace, rng):  # noqa: PLR0913
-    """Insert the best missing target again and again; returns the number of stops."""
+    """Insert the best missing target repeatedly; returns the number of stops."""
     ways, terms, order = borrowed(ways), borrowed(terms), borrowed(order)
     gaps = borrowed(gaps)
     drawn = _draw_missing(terms, order, length, absent, False, rng)

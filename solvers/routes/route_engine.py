@@ -23,36 +23,36 @@ from .ways import ways_of
 IntArray = npt.NDArray[np.int64]
 
 EACH, WORK = 50, 50_000
-"""Iterations of the first round: so many for each target, and at most so many divided by their
-number."""
+"""Iterations of the first round per target, and their upper limit, which is divided by the number
+of targets."""
 
 LONGER = 1.6
-"""Factor from round to round."""
+"""Growth of iterations from round to round."""
 
 MOST_WORK = 1e9
-"""Most iterations of a round."""
+"""Maximum number of iterations in a round."""
 
 HOT, COLD = 1.0, 0.01
 """First and last temperature while targets are missing, in mean prizes."""
 
 HOT_COST, COLD_COST = 1.0, 0.02
-"""The same once none is, in mean costs of a target."""
+"""First and last temperature once no target is missing, in mean costs of a target."""
 
 HEATS = 1.0, 0.3, 3.0
 """Factors of the temperatures, round by round."""
 
 TIME_COUNTS = 1.0
-"""What the whole duration of mean slack is worth, in prizes of the best plan."""
+"""Worth of a mean slack as long as the mission, as a share of the best plan's prize."""
 
 SPARE = 0.2
-"""What a second of mean slack is worth once no target is missing, in seconds of the end."""
+"""Worth of a second of mean slack once no target is missing, in seconds of the end."""
 
 MOST_NEAR = 400
-"""Number of nearest targets known of each."""
+"""Number of nearest targets listed per target."""
 
 
 class RouteEngine:
-    """Routes of a problem, improved as long as there is time.
+    """Routes of a problem, improved round by round.
 
     Parameters
     ----------
@@ -103,14 +103,14 @@ class RouteEngine:
         self.begin(tuple(() for _ in missions))
 
     def beside(self, seed: int) -> RouteEngine:
-        """An independent search of the same problem from nothing, which may run concurrently."""
+        """An independent search of the same problem from scratch, which may run concurrently."""
         other = copy(self)
         other._rng, other._absent = np.random.default_rng(seed), np.zeros_like(self._absent)
         other.begin(tuple(() for _ in self._problem.missions))
         return other
 
     def begin(self, routes: Iterable[Iterable[int]]) -> None:
-        """Go on from some routes."""
+        """Set the routes to continue from."""
         bodies, wanted = self._ways.bodies, set(self._targets.tolist())
         nodes: list[int] = []
         for chaser, route in enumerate(routes):
@@ -120,7 +120,7 @@ class RouteEngine:
         self._nodes = np.array([*nodes, *sorted(wanted - set(nodes))], dtype=np.int64)
 
     def advance(self) -> Routes:
-        """The best routes of the next round, which is longer than the one before."""
+        """The best routes of the next round, which is longer than the previous one."""
         targets = max(self._targets.size, 1)
         work = LONGER**self._rounds * min(EACH * targets, WORK / targets)
         heat = HEATS[self._rounds % len(HEATS)]

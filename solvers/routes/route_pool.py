@@ -15,7 +15,7 @@ from .one_chaser import FloatArray
 from .set_packing import cheapest_of, packing
 
 LEAST_COST = 1e-3
-"""Steps of prize that all costs together count for, as a tie-breaker between equal choices."""
+"""Weight of all costs together in steps of prize, as a tie-breaker between equal choices."""
 
 
 Stops = tuple[tuple[int, int], ...]
@@ -55,7 +55,7 @@ class Column:
         return self.kind, self.targets, self.stops
 
     def beats(self, worth: float, cost: float) -> bool:
-        """Whether it is worth more than another route of the same key, or as much for less."""
+        """Whether the column is worth more than one of the same key, or as much at less cost."""
         return (-self.worth, self.cost) < (-worth, cost)
 
     @property
@@ -64,7 +64,7 @@ class Column:
         return {**dict.fromkeys(sorted(self.targets), 1.0), **dict(self.stops)}
 
     def paid(self, prices: FloatArray) -> float:
-        """Price of these resources, at prices of shape (bodies,)."""
+        """Price of the resources that the column uses, at prices of shape (bodies,)."""
         return math.fsum(prices[body] * times for body, times in self.taken.items())
 
 

@@ -1,4 +1,4 @@
-"""Ruin: the ways to take targets out of the order of all chasers."""
+"""Ruin: operators that remove targets from the order of all chasers."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .orders import count_all
 from .strings import LONGEST_STRING, mark_strings, take_out
 
 STRINGS, ONE_STRING, AT_RANDOM = 0.6, 0.8, 0.95
-"""Cumulative shares of the ways to ruin; the rest takes out what is worth least."""
+"""Cumulative shares of the ruin operators; the last removes the least worthwhile targets."""
 
 
 @kernel
 def _mark_strings(ways, order, length, near, rng, out):
-    """Mark strings of stops near a target that is drawn."""
+    """Mark strings of stops near a random target."""
     nodes, place = order.nodes, np.full(ways.bodies, -1)
     for p in range(length):
         if nodes[p] < ways.bodies:
@@ -32,7 +32,7 @@ def _mark_strings(ways, order, length, near, rng, out):
 
 @kernel
 def ruin(ways, terms, order, length, near, full, rng):
-    """Take targets out of an order; only some strings once it is ``full``.
+    """Remove targets from an order; only a few strings once the order is ``full``.
 
     Returns
     -------

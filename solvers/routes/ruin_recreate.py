@@ -27,16 +27,16 @@ from .recreate import insert_best, insert_in_turn
 from .ruin import ruin
 
 ONE_BY_ONE = 0.6
-"""Share of the iterations that insert targets in an order drawn before."""
+"""Share of the iterations that insert targets in a random order."""
 
 PATIENCE = 0.99
 """Factor per iteration on the memory of missing targets."""
 
 RENEWED = 20
-"""Iterations after which another deadline is drawn, if no order was accepted before."""
+"""Iterations after which another deadline is drawn if no order was accepted."""
 
 MORE = 2.0
-"""How much later than the annealing accepts an order may end that has more slack, as a multiple."""
+"""Multiple of the accepted delay of the end by which an order with more slack may end later."""
 
 
 class Cooling(NamedTuple):
@@ -80,7 +80,7 @@ def _prize(ways, terms, order, length):
 
 @kernel
 def cost_of_all(ways, terms, order):
-    """Cost of all routes [s or m/s]; what chasers cost that visit nobody does not count."""
+    """Cost of all routes [s or m/s], without chasers that visit no target."""
     total = 0.0
     for chaser in range(terms.budget.size):
         start = ways.bodies + 2 * chaser
@@ -106,7 +106,7 @@ def _slack(ways, order, length):
 
 @kernel
 def _value(ways, terms, order, length, cooling, full):
-    """What an order is worth: more is better."""
+    """Objective of an order, to be maximised."""
     if not full:
         slack = cooling.worth * _slack(ways, order, length)
         return _prize(ways, terms, order, length) + slack
@@ -119,7 +119,7 @@ def _value(ways, terms, order, length, cooling, full):
 
 @kernel
 def _remember(ways, order, length, full, absent):
-    """Remember which targets are missing, with patience; once all were in, how often each was."""
+    """Update the memory of missing targets; once none is missing, of removals of each target."""
     for p in range(length if full else 0, order.nodes.size):
         j = order.nodes[p]
         if j < ways.bodies:
@@ -165,7 +165,7 @@ def anneal(ways, terms, nodes, length, near, absent, cooling, rng, halt):  # noq
 
 @kernel
 def _anneal(ways, terms, here, there, length, near, absent, cooling, rng, halt, nodes):  # noqa: PLR0913
-    """The same in lent memory; the second order is written first."""
+    """Anneal in borrowed arrays; the second order is overwritten first."""
     ways, terms, near, absent = borrowed(ways), borrowed(terms), borrowed(near), borrowed(absent)
     here, there = borrowed(here), borrowed(there)
     targets, gaps = nodes.size - 2 * terms.budget.size, new_gaps(nodes.size, ways.body.size)

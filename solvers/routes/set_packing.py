@@ -16,8 +16,8 @@ from adr_opt.plan.station_limits import Use
 from .one_chaser import FloatArray
 
 PRESOLVED = 2_000
-"""Number of columns up to which presolving is used. Beyond it, HiGHS's presolve takes far longer
-than it saves, and ignores the time limit."""
+"""Maximum number of columns with presolve. Beyond it, HiGHS's presolve takes far longer than it
+saves, and ignores the time limit."""
 
 LEAST_S = 0.1
 """Least time limit [s]."""

@@ -1,4 +1,4 @@
-"""Strings of an order: neighbours in it, some of whose targets are near one another.
+"""Strings of an order: runs of consecutive stops that contain targets near one another.
 
 J. Christiaens and G. Vanden Berghe, Transportation Science 54, 2020.
 """
@@ -15,7 +15,7 @@ MOST_STRINGS, LONGEST_STRING = 3, 6
 
 @kernel
 def mark_strings(near, place, seed, length, rng, out):
-    """Mark some strings of an order, each with a target near another one.
+    """Mark some strings of an order, each with a target near a given one.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def mark_strings(near, place, seed, length, rng, out):
 
 @kernel
 def take_out(order, out, length):
-    """Move what is marked behind the rest of an order.
+    """Move the marked stops behind the rest of an order.
 
     Returns
     -------

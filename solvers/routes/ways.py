@@ -1,4 +1,4 @@
-"""The oracle of the route engine: when a chaser arrives, and when it has to leave.
+"""The timing oracle of the route engine: earliest arrivals and latest departures.
 
 Where no tank runs dry on the way, being earlier is never worse, so that of each pair two functions
 say all there is: the earliest end of a service after one is ready elsewhere, and the latest time of
@@ -35,10 +35,10 @@ FOLLOWS = (FIRST - {"prizes that fall"}) | {
     "functions of time for several chasers",
     "capture windows",
 }
-"""Rules that the engine follows; missions with others are left to other searches."""
+"""Rules that the engine follows; missions with other rules go to other searches."""
 
 ROUNDED = 1e-14
-"""Relative rounding of the inverse of a function, which must not make anyone late."""
+"""Relative rounding of a function's inverse, such that no departure becomes too late."""
 
 
 class Ways(NamedTuple):
@@ -82,7 +82,7 @@ class Ways(NamedTuple):
 
 @inlined
 def pair_of(ways, a, b):
-    """Number of the pair of bodies of two nodes; −1 where none is flown between."""
+    """Number of the pair of bodies of two nodes; −1 if there is no leg between them."""
     pair = np.int64(-1)
     if ways.body[b] >= 0 and (a < ways.bodies or b < ways.bodies):
         pair = ways.body[a] * ways.bodies + ways.body[b]
@@ -111,7 +111,7 @@ def arrives(ways, a, b, ready):
 
 @inlined
 def _is_over(ways, b, row):
-    """When a service at a node is over after the arrival of a row; +inf if it may not begin [s]."""
+    """End of the service at a node after the arrival of a row; +inf if it may not begin [s]."""
     return service_end(ways.windows, b, ways.arrival[row], ways.service[b])
 
 
@@ -162,7 +162,7 @@ def _least(first, departure, arrival, least):
 
 
 def serves(problem: Problem) -> bool:
-    """Whether arrivals are all that matters of legs: given ones that cost too little for a tank.
+    """Whether only arrivals of legs matter: given legs whose costs never exhaust a tank.
 
     Or whose cost is a number for each pair, as of functions of time.
     """
@@ -180,7 +180,7 @@ def serves(problem: Problem) -> bool:
 
 
 def ways_of(problem: Problem) -> Ways:
-    """The ways of a problem that is served, without looking at a timetable."""
+    """The ways of a problem that the engine serves, without a timetable."""
     instance, given = problem.instance, problem.instance.given
     assert given is not None
     names, chasers = instance.names, instance.chasers

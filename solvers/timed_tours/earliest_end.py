@@ -60,7 +60,7 @@ def _fill(steps, memories, multipliers, values):
 
 @kernel
 def _visits(steps, memories, multipliers, values):
-    """How often the best one does each target."""
+    """Number of services of each target in the best relaxed tour."""
     count = np.zeros(multipliers.size, np.int64)
     place, step, memory = np.int64(multipliers.size), np.int64(0), np.int64(0)
     while True:
@@ -86,7 +86,7 @@ def evaluated(
     multipliers: npt.NDArray[np.int64],
     room: npt.NDArray[np.int32] | None = None,
 ) -> tuple[int, npt.NDArray[np.int64], npt.NDArray[np.int32]]:
-    """Value [units] and services of the best relaxed tour, and the room, to be used again."""
+    """Value [units] and services of the best relaxed tour, and its storage for reuse."""
     targets = multipliers.size
     shape = targets + 1, steps.total + 1, memories.onward.shape[2] + 1
     if room is None or room.shape != shape:
@@ -98,7 +98,7 @@ def evaluated(
 
 
 TOLERANCE = 5e-7
-"""Relative improvement that is not looked for."""
+"""Relative improvement below which the search ends."""
 
 
 Whole = npt.NDArray[np.int64]
@@ -132,17 +132,17 @@ STAGES = (
     Stage(600, 2, 6, 100, 20_000),
     Stage(700, 4, 8, 40, 30_000),
 )
-"""The stages; times are divided more finely from one to the next, and more is remembered."""
+"""The stages, with ever finer time steps and larger memories."""
 
 NARROWING_SIZE = 3
-"""Number of neighbours remembered where bands of steps are narrowed."""
+"""Number of neighbours remembered when bands of steps are narrowed."""
 
 FIRST_STEP, NEXT_STEP, SMALLEST_STEP, PATIENCE, SHORTER, LEAST_GAIN = 1.0, 0.3, 2e-3, 5, 1.5, 1e-4
-"""Steps along subgradients, as shares of the gap: the first one, that of later stages, the last
-one, and how many without a gain of how much make it how much shorter."""
+"""Subgradient steps as shares of the gap: first, in later stages, and last; number of steps without
+a least gain before a reduction, that gain, and the factor of the reduction."""
 
 SHARES = (0.3, 0.45, 0.65, 1.0)
-"""Parts of the gap in which all labels are searched, one after the other."""
+"""Shares of the gap searched with all labels, in order."""
 
 LABEL_BYTES = 80
 """Memory of a label while its layer is extended [bytes]."""
@@ -193,13 +193,13 @@ class EarliestEnd:
         return self.bound_s >= self._below()
 
     def _below(self) -> float:
-        """End of the tours that are looked for [s]."""
+        """End below which tours are sought [s]."""
         if math.isinf(self.end_s):
             return self._latest_s
         return self.end_s - TOLERANCE * abs(self.end_s)
 
     def rounds(self) -> Iterator[None]:
-        """Work on it, with a pause after each round."""
+        """Rounds of work, as an iterator that pauses after each."""
         if self._latest_s <= self._tour.ready:
             self.bound_s = self._latest_s
             return
@@ -261,7 +261,7 @@ class EarliestEnd:
         return best
 
     def _bound(self, stage: Stage, until: float) -> Relaxation:
-        """The relaxation as a bound: in finer and finer steps, and where they matter alone."""
+        """Bound by the relaxation, in ever finer steps restricted to the relevant bands."""
         tour, bands = self._tour, whole_bands(self._tour.targets, stage.steps)
         parts = ((1, NARROWING_SIZE), (stage.finer, NARROWING_SIZE), (stage.finer, stage.size))
         for number, (finer, size) in enumerate(parts):
@@ -295,7 +295,7 @@ class EarliestEnd:
             self.order, self.end_s = outcome.order, outcome.end_s
 
     def _beam(self, relaxation: Relaxation, until: float, stage: Stage) -> Iterator[None]:
-        """Search the most promising labels, of more until there is a tour."""
+        """Search the most promising labels, with growing numbers until a tour is found."""
         width, search = stage.width, self._search(relaxation, until)
         while not self._over():
             most = self._units(relaxation, self._below())
@@ -311,7 +311,7 @@ class EarliestEnd:
             width *= 10
 
     def _whole(self, relaxation: Relaxation, until: float) -> Iterator[None]:
-        """Search all labels, of tours that end in larger and larger parts of the gap."""
+        """Search all labels of tours that end within growing shares of the gap."""
         search = self._search(relaxation, until)
         for share in SHARES:
             if self._over() or self.proven:

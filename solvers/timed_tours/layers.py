@@ -1,4 +1,4 @@
-"""Layers of labels: the earliest way to have done a set of targets and to be at one of them.
+"""Layers of labels: earliest arrivals at a target after servicing a set of targets.
 
 A layer holds all sets of as many targets. A label is dropped if a target left out of it can no
 longer be reached in time, or if the relaxed rest of its tour ends too late.
@@ -18,11 +18,11 @@ from .relaxation import Relaxation
 from .tour import TimedTour, reached
 
 BITS = 63
-"""Targets whose set fits a word."""
+"""Number of targets whose set fits a word."""
 
 
 class Layer(NamedTuple):
-    """Labels that have done as many targets.
+    """Labels with equally many serviced targets.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Layer(NamedTuple):
 
 
 class Deadlines(NamedTuple):
-    """Deadlines for targets still to do, by place, and the numbers in which sets are kept.
+    """Deadlines for unserviced targets, by place, and the words in which sets are stored.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ def reenter(table, layer, count):
 
 @inlined
 def _misses(windows, done, place, time):
-    """Whether a target that is not done can no longer be reached in time."""
+    """Whether an unserviced target can no longer be reached in time."""
     low, high = 0, windows.time.shape[1]
     while low < high:
         middle = (low + high) // 2
@@ -144,7 +144,7 @@ def _misses(windows, done, place, time):
 
 @inlined
 def _memory_of(near, windows, done, place):
-    """The memory at a place of a set of targets that are done."""
+    """The memory at a place for a set of serviced targets."""
     memory = 0
     for q in range(near.shape[1]):
         j = near[place, q]
@@ -155,7 +155,7 @@ def _memory_of(near, windows, done, place):
 
 @kernel
 def extend(tour, relaxation, windows, most, before, after, table, cursor):
-    """Extend labels by each target, until one is left over or there is no room.
+    """Extend labels by each target, until storage is full.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def extend(tour, relaxation, windows, most, before, after, table, cursor):
 
 @kernel
 def best_end(tour, layer, count):
-    """The label of a last layer whose tour ends first, and when [s]; +inf if none ends in time."""
+    """The last layer's label whose tour ends first, and its end [s]; +inf if none ends in time."""
     best, found = np.inf, -1
     for label in range(count):
         end = reached(tour, np.int64(layer.place[label]), tour.targets + 1, layer.time[label])
@@ -243,11 +243,11 @@ class Outcome(NamedTuple):
 
 
 FIRST_ROOM, CHUNK = 1 << 14, 20_000
-"""Room of a layer in the beginning, and number of labels extended between looks at the clock."""
+"""Initial storage of a layer, and number of labels extended between checks of the clock."""
 
 
 def _at(layer: Layer, labels: npt.NDArray[np.int64]) -> Layer:
-    """Some labels of a layer."""
+    """The labels of a layer at some indices."""
     return Layer(
         layer.done[labels],
         layer.place[labels],

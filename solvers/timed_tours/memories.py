@@ -1,4 +1,4 @@
-"""Memories of relaxed tours: of the targets that are done, those near the present one are known.
+"""Memories of relaxed tours: serviced targets near the present one are remembered.
 
 The neighbourhoods of ng-routes (Baldacci, Mingozzi and Roberti, Operations Research 59(5), 2011).
 """
@@ -17,7 +17,7 @@ from .tour import TimedTour
 
 
 class NearMemories(NamedTuple):
-    """Neighbourhoods, and how memories change from place to place.
+    """Neighbourhoods, and transitions of memories from place to place.
 
     A memory is a number whose bit q says whether neighbour q of the place is done.
 
@@ -35,7 +35,7 @@ class NearMemories(NamedTuple):
 
 @kernel
 def _onward(near, onward):
-    """Fill the changes of memories."""
+    """Fill the transitions of memories."""
     places, targets, count = onward.shape
     size = near.shape[1]
     place = np.full((places, places), -1, np.int64)

@@ -1,4 +1,4 @@
-"""Functions of time as connections, optimistically: bounds for any number of targets and chasers.
+"""Optimistic connections for functions of time: bounds for any number of targets and chasers.
 
 Of each body some ready times are *points*. One connection stands for all who are ready between a
 point and the next: it leaves just before the latter, and arrives as if it had left at the former.
@@ -30,15 +30,16 @@ from adr_opt.problem.instance import Instance
 FloatArray = npt.NDArray[np.float64]
 
 ROUNDED_S = SLACK_S / 16.0
-"""Connections leave so much before the next point, and a slack more, as who is ready that much
-later still takes them; who takes the next ones counts as ready at twice that before it [s]."""
+"""Margin by which connections leave before the next point, beyond the slack within which a late
+chaser still takes them; takers of the next ones count as ready twice that before it [s]."""
 
 POINTS, FIRST_ROWS, MOST_ROWS = 400, 1_000_000, 4_000_000
-"""First points in the whole duration, if all pairs have no more connections than that together, and
-the most that they may have later."""
+"""Initial number of points over the duration, largest number of connections of all pairs then, and
+later."""
 
 SHARE = 0.5
-"""Share of a leg between points where the first ones are farther apart than it takes."""
+"""Spacing of points as a share of a leg's duration, if the initial spacing exceeds that
+duration."""
 
 
 class OptimisticLegs:
@@ -110,7 +111,7 @@ class OptimisticLegs:
     def _connections(
         self, i: int, j: int, function: Function, most: int
     ) -> tuple[FloatArray, FloatArray] | None:
-        """Departures and arrivals of a pair; None if there would be more than a number."""
+        """Departures and arrivals of a pair; None if there would be more than a maximum."""
         points, last = self.points[i], float(function.departure[-1])
         while True:
             _, lands = legs_of(function.departure, function.arrival, points - 2.0 * ROUNDED_S)
@@ -135,7 +136,7 @@ class OptimisticLegs:
         return leaves[kept], lands[kept]
 
     def refine(self, plan: Plan) -> bool:
-        """Make the times at which a plan reaches its bodies points; returns whether any is new."""
+        """Add a plan's arrival times at bodies as points; returns whether any is new."""
         number = {name: body for body, name in enumerate(self._instance.names)}
         windows, services, new = self._limits.windows, self._limits.service, False
         for chaser, route in enumerate(plan.routes):

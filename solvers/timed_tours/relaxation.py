@@ -1,4 +1,4 @@
-"""Lower bounds on the end of a tour, from each place, time and number of targets still to do.
+"""Lower bounds on the end of a tour, by place, time and number of unserviced targets.
 
 Relaxed tours do as many targets as there are, but may do one again that they have forgotten
 (:mod:`.memories`), for which a multiplier charges them. Time is counted in steps, always rounded
@@ -22,7 +22,7 @@ from .memories import NearMemories
 from .tour import TimedTour, reached
 
 NEVER = 2**30
-"""Value of what cannot be done in time."""
+"""Value of a state from which no tour ends in time."""
 
 UNITS = 2**20
 """Number of units in the time of a tour."""
@@ -52,7 +52,7 @@ class TimeSteps(NamedTuple):
 
 
 class Bands(NamedTuple):
-    """Steps in which a place may be left with a number of targets still to do.
+    """Steps in which a place may be left, by number of unserviced targets.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Bands(NamedTuple):
 
 
 class Relaxation(NamedTuple):
-    """Everything that completes a tour.
+    """Completion values of relaxed tours.
 
     Attributes
     ----------
@@ -135,7 +135,7 @@ def steps_of(tour: TimedTour, until: float, count: int, *, nearest: bool = False
 
 
 def whole_bands(targets: int, count: int) -> Bands:
-    """Bands of all steps; the start is left with all targets still to do, at once."""
+    """Bands of all steps; the start is left at once, with all targets unserviced."""
     shape = targets + 1, targets + 1
     low, high = np.zeros(shape, dtype=np.int64), np.full(shape, count, dtype=np.int64)
     high[targets] = high[:, targets] = -1
@@ -151,7 +151,7 @@ def _numbered(low: npt.NDArray[np.int64], high: npt.NDArray[np.int64]) -> Bands:
 
 @inlined
 def lower(row, source, onward, charge):
-    """Lower values of a state, by memory, to those where a leg leads, with its charge."""
+    """Lower values of a state, by memory, to those at a leg's destination plus its charge."""
     for memory in range(onward.size):
         value = source[onward[memory]] + charge
         if value < row[memory]:
@@ -160,7 +160,7 @@ def lower(row, source, onward, charge):
 
 @inlined
 def level(row):
-    """Make values of what is not possible equal, however they have come about."""
+    """Set all values of impossible states to one value."""
     for memory in range(row.size - 1):
         if row[memory] > NEVER // 2:
             row[memory] = NEVER
@@ -168,7 +168,7 @@ def level(row):
 
 @kernel
 def _fill_row(relaxation, left, place):
-    """Fill the values of a place with a number of targets still to do."""
+    """Fill the values of a place for a number of unserviced targets."""
     steps, memories, bands, multipliers, values = relaxation
     low, high = bands.low[left, place], bands.high[left, place]
     size = values.shape[1] - 1
@@ -208,7 +208,7 @@ def relaxed(
     jobs: int,
     room: npt.NDArray[np.int32] | None = None,
 ) -> Relaxation:
-    """The relaxation at some multipliers; ``room`` is that of an earlier one, used again."""
+    """The relaxation at some multipliers; ``room`` is the storage of an earlier one, reused."""
     shape = bands.rows, memories.onward.shape[2] + 1
     if room is None or room.shape != shape:
         room = np.empty(shape, dtype=np.int32)
@@ -233,7 +233,7 @@ def bound_units(relaxation: Relaxation) -> int:
 
 @kernel
 def _forwards(steps, bands, multipliers, done, before, now):
-    """Least charges of ways to have done a number of targets, by place and step, from those before.
+    """Least charges after servicing a number of targets, by place and step, from one fewer.
 
     Parameters
     ----------

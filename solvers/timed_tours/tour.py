@@ -28,7 +28,7 @@ HALVINGS = 60
 
 
 class TimedTour(NamedTuple):
-    """A tour of all targets of a mission whose tank is no limit.
+    """A tour of all targets of a mission whose tank never binds.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ def end_of(tour, order):
 
 @kernel
 def _latest(tour, i, j, until):
-    """A time at i from which j can be reached by another time, or a little later; −inf for none."""
+    """Latest time at i from which j is reached by a given time, to a tolerance; −inf for none."""
     low, high = tour.ready, last_end(tour, i)
     if high < low or reached(tour, i, j, low) > until:
         return -math.inf
@@ -180,7 +180,7 @@ def deadlines(tour, until):
 
 
 def tour_of(mission: Mission) -> TimedTour | None:
-    """The tour of all targets of a mission; None where one place or the tank asks for more.
+    """The tour of all targets of a mission; None if the mission is not such a tour.
 
     All is well with functions of time alone where the cost is the duration, and the tank holds
     what the dearest legs take; of lists of connections the earliest arrivals make a function.
@@ -229,7 +229,7 @@ def tour_of(mission: Mission) -> TimedTour | None:
 
 
 def _leads(mission: Mission, station: int, *, to: bool) -> bool:
-    """Whether anything leads to a station from a target, or from it to one."""
+    """Whether any leg leads to a station from a target, or back."""
     rules = mission.rules
     for j in range(rules.first_target, rules.service.size):
         pair = (j, station) if to else (station, j)
@@ -239,7 +239,7 @@ def _leads(mission: Mission, station: int, *, to: bool) -> bool:
 
 
 def _function(mission: Mission, i: int, j: int) -> tuple[FloatArray, FloatArray, float]:
-    """Earliest arrivals of a pair as breakpoints, and the most that a leg of it costs."""
+    """Earliest arrivals of a pair as breakpoints, and its largest cost of a leg."""
     none = np.empty(0), np.empty(0), 0.0
     if i == j:
         return none

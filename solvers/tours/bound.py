@@ -1,4 +1,4 @@
-r"""Lower bound on the expense of all tours, by prices that make walks visit targets about once.
+r"""Lower bound on the expense of all tours, by Lagrangian prices on visits to targets.
 
 A mission whose legs come to X = Σ ΔV / exhaust speed carries at launch
 

@@ -39,22 +39,22 @@ FOR_TIMES, MOST_FOR_TIMES_S = 0.08, 60.0
 """Share of the time for the times of the best tours, and its limit [s]."""
 
 TURNS = 2
-"""How often each mission gets times between its neighbours."""
+"""Number of times that each mission is retimed between its neighbours."""
 
 FOR_BEGINNINGS = 0.25
 """Share of the time for the first tours."""
 
 LEAST_ITERATIONS, MOST_ITERATIONS = 500, 25_000
-"""Limits of the iterations of a beginning; the first where no time is set."""
+"""Limits on the iterations of an initial tour; the first applies without a time limit."""
 
 MOST_TOURS = 48
-"""Maximum number of tours in a population, which is larger where there is more time."""
+"""Maximum number of tours in a population, which grows with the time."""
 
 GUESSED_S = 4e-6
 """Time of an iteration of annealing, for each target [s]."""
 
 SHORTEST_S = 0.3 * DAY_S
-"""Shortest drift that is planned: in fewer than some five turns burns may not find their places."""
+"""Shortest planned drift: within fewer than about five revolutions, burns may not fit."""
 
 SUMMED = 1e9
 """Exhaust speed so large that masses add up as ΔV does [m/s]."""
@@ -97,7 +97,7 @@ class PlannedTour:
 
 
 class Campaign:
-    """A problem as tours see it.
+    """Data of a problem for tours.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ class Campaign:
 
     @property
     def weighs(self) -> bool:
-        """Whether the cost goes by mass."""
+        """Whether the cost depends on mass."""
         by_expense = self.instance.objective.cost == "expense"
         return by_expense and isinstance(self._mission.chaser.usable, TankByMass)
 
@@ -164,7 +164,7 @@ class Campaign:
         return TourExpense(fixed, per_m_s, 0.0, SUMMED, 0.0, SUMMED, full, most)
 
     def timed(self, tour: Tour) -> FlownTour | None:
-        """A tour at its best times on the grid of connections; None where it has none."""
+        """A tour at its best times on the grid of connections; None if no times are possible."""
         firsts = [*np.flatnonzero(tour.begins).tolist(), tour.order.size]
         first = self.instance.first_target
         orders = [tuple((tour.order[a:b] + first).tolist()) for a, b in pairwise(firsts)]
@@ -223,7 +223,7 @@ class Campaign:
         return flown, coarse.every == 1
 
     def _priced(self, total: FloatArray, targets: int) -> FloatArray:
-        """Cost of missions by what they weigh at the launch; infinite where a tank is too small."""
+        """Cost of missions by their mass at launch; infinite if a tank is too small."""
         spent = self.expense
         carried = total - (spent.dry_kg if self.weighs else 0.0)
         fits = carried - targets * spent.kit_kg <= spent.most_propellant_kg + SLACK_M_S
@@ -232,7 +232,7 @@ class Campaign:
         return np.where(fits, cost, np.inf)
 
     def _cost(self, orders: Sequence[tuple[int, ...]], times: Sequence[MissionTimes]) -> float:
-        """Cost of missions; infinite where a tank is too small."""
+        """Cost of missions; infinite if a tank is too small."""
         return math.fsum(
             float(self._priced(np.array(each.total), len(order)))
             for order, each in zip(orders, times, strict=True)

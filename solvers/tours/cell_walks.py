@@ -145,7 +145,7 @@ def labels_at(walks, t, i, masks, values):
 
 @inlined
 def line_at(value, level, b, per_kg):
-    """The cost as a line in the mass, as it is from a level to the next: at no mass, and per kg.
+    """The cost as a line in the mass between two levels: intercept, and slope per kg.
 
     Beyond the last level a kilogram costs what it costs to launch, ``per_kg``, at least.
     """
@@ -157,7 +157,7 @@ def line_at(value, level, b, per_kg):
 
 @inlined
 def launch(walks, t, i, masses, base, price):
-    """Begin missions with a target, at every level: with nothing in memory, on top of a cost."""
+    """Begin missions with a target at every level, with empty memory, added to a cost."""
     for b in range(masses.level.size):
         cost = base + masses.per_kg * (masses.level[b] + masses.kit) - price[i]
         if cost < walks[i, 0, b, t]:
@@ -189,7 +189,7 @@ def growths_of(cost, growth, t, i, j, span, grown):
 
 @inlined
 def labels_onward(masks, values, count, memory_of, i, j, onward_masks, onward_values):
-    """Labels of a target that may go on to another, with the memory that they will have there.
+    """Labels of a target that may continue to another, with their memory there.
 
     Returns
     -------

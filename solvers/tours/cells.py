@@ -58,7 +58,7 @@ SHORT_S = 1.5 * 86400.0
 """Longest short leg, phasing revolutions included [s]."""
 
 START_M_S, TRIES, TRIES_BESIDE = 300.0, 5, 3
-"""First C that is tried [m/s], and numbers of tries from there and from that of a cell beside."""
+"""First C that is tried [m/s], and numbers of tries from it and from a neighbouring cell's."""
 
 
 class CellTimes(NamedTuple):
@@ -86,7 +86,7 @@ class CellTimes(NamedTuple):
 
 @kernel
 def least_shape(pair, begin, end):
-    """E at its least between two arrivals [m/s].
+    """Least E between two arrivals [m/s].
 
     E² is the squared difference of two eccentricities plus a multiple of sin² of half the angle
     between two perigees, which is linear in time: the least sin² is zero where the angle passes a

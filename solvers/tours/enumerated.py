@@ -33,14 +33,14 @@ MOST_TARGETS = 8
 """Number of targets up to which campaigns are enumerated."""
 
 MOST_WORK = 3e9
-"""Most sums and products; for more the grid is coarser."""
+"""Maximum number of sums and products; for more, the grid is coarser."""
 
 LEG_WORK = 2_000
-"""The cost of a leg, in sums and products."""
+"""Work of computing a leg, in sums and products."""
 
 
 class CoarseGrid(NamedTuple):
-    """Times on which all campaigns are tried.
+    """Grid of times for enumeration.
 
     Attributes
     ----------
@@ -237,7 +237,7 @@ class Enumeration:
         until: int,
         gap: int | None,
     ) -> tuple[int, int, tuple[tuple[int, ...], MissionTimes]]:
-        """The last mission of the cheapest campaign of a set; what is left, and until when."""
+        """The last mission of a set's cheapest campaign, with the remaining set and its end."""
         best, chosen = math.inf, (0, 0, 0)
         for own in _subsets(mask):
             if mask ^ own not in known:
@@ -295,7 +295,7 @@ def _members(mask: int, targets: int) -> Iterator[int]:
 
 
 def _subsets(mask: int) -> Iterator[int]:
-    """All sets in another one but the empty one."""
+    """All nonempty subsets of a set."""
     part = mask
     while part:
         yield part

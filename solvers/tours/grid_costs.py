@@ -35,7 +35,7 @@ SLACK = 0.24
 """Extra time of transfers in planning, in steps: on the fine grid less time is lost."""
 
 MOST_BYTES = 1.2e9
-"""Memory of the costs; for more the grid is coarser."""
+"""Maximum memory of the costs; for more, the grid is coarser [bytes]."""
 
 WAITING = 2
 """Number of steps that a chaser may wait before a leg, where no rule limits the time of legs."""
@@ -138,7 +138,7 @@ def layout_of(problem: Problem) -> TourLayout:
 
 
 def costs_of(problem: Problem, layout: TourLayout, cores: int, stop: Stop) -> Costs:
-    """ΔV of all legs on the grid; those for which no time is left are forbidden.
+    """ΔV of all legs on the grid; legs without enough time are forbidden.
 
     Returns
     -------

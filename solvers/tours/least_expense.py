@@ -27,7 +27,7 @@ from .grid_costs import MOST_BYTES, UNIT_M_S, layout_of
 FloatArray = npt.NDArray[np.float64]
 
 REMEMBERED, LEAST_REMEMBERED = 8, 4
-"""Neighbours of each target that walks remember, and where memory is short."""
+"""Number of neighbours of each target that walks remember, also if memory is short."""
 
 FOR_WALKS = 0.25
 """Share of the available memory for the walks of one number of missions."""
@@ -37,7 +37,7 @@ LIKELY, MOST_HOPED = 0.02, 0.003
 there over that on all cells beyond which the share is doubled."""
 
 COUNTED = 10_000_000
-"""Most cells that are looked at to know which ones are the cheapest."""
+"""Maximum number of cells examined to find the cheapest ones."""
 
 LEGS, MOST_LEGS = 0.024, 1.25
 """ΔV over exhaust speed of legs: for each target, and of one mission at most, as a first guess:
@@ -53,7 +53,7 @@ ROUNDS = 40
 
 @dataclass
 class _Campaigns:
-    """What is known of campaigns with a given number of missions.
+    """Prices and bounds of campaigns with a given number of missions.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class LeastExpense:
         campaign = Campaign(problem)
         steps, limit = campaign.layout.steps, problem.instance.transfer.max_leg_s
         if not campaign.weighs or limit is None:
-            raise ValueError("bounds are of an expense by mass, and of legs of limited time")
+            raise ValueError("bounds need an expense by mass, and legs of limited duration")
         self._expense = campaign.expense
         self._count = len(problem.instance.targets)
         step = cell_length_s(problem) if step_s is None else step_s
@@ -147,7 +147,7 @@ class LeastExpense:
         return min(each.value for each in self._known)
 
     def _remembered(self) -> int:
-        """Neighbours that walks can remember in the memory that there is."""
+        """Number of neighbours that walks can remember in the available memory."""
         each = self._cells[..., 0, 0].size * STAGES[-1][0] * np.dtype(np.float64).itemsize
         room = FOR_WALKS * available_bytes() / each
         most = math.floor(math.log2(max(room, 1.0))) if math.isfinite(room) else REMEMBERED
@@ -196,7 +196,7 @@ class LeastExpense:
         )
 
     def _keep(self, now: _Campaigns, found: Bound) -> None:
-        """Take over what a stage found; other numbers of missions begin with its prices."""
+        """Take over the result of a stage; other numbers of missions start from its prices."""
         tangent = Tangent.at(self._expense, now.carried_kg)
         self.rounds += found.rounds
         now.stages, now.value = now.stages + 1, max(now.value, found.value)
@@ -232,7 +232,7 @@ def _shortest_stay_s(problem: Problem) -> float:
 
 
 def cheapest(cells: Costs, share: float) -> Costs:
-    """Cells of which only a share is left, the cheapest; others are forbidden.
+    """The cheapest share of the cells; others are forbidden.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Tours from scratch: a population that is annealed, crossed and annealed again.
+"""Tours from scratch: a population, annealed and recombined.
 
 Where annealing ends depends on which missions fly when, which it no longer changes once it has
 cooled a little, and far less on how slowly it cools. So many short runs make a population, and
@@ -26,18 +26,18 @@ from .costs import FAR, Costs, TimeGrid, Tour, TourCosts, TourExpense, TourRows,
 from .inserting import CostRows, PuttingRules, put_back
 
 USUAL_SLOPE = 0.012
-"""Cost of another m/s before anything is known of a mission."""
+"""Initial cost of another m/s in a mission."""
 
 USUAL_KIT = 0.37
-"""Cost of another target in a mission, besides legs, before anything is known of it."""
+"""Initial cost of another target in a mission, besides its legs."""
 
 
 class NoPlace(Exception):
-    """No tour was found that has time for all targets."""
+    """No tour was found with time for all targets."""
 
 
 class Piece(NamedTuple):
-    """A mission of a tour: its targets in order, and when each is reached [steps]."""
+    """A mission of a tour: its targets in order, with their arrivals [steps]."""
 
     order: list[int]
     at: list[int]
@@ -102,7 +102,7 @@ def completed(
             rules,
         )
         if not complete:
-            raise NoPlace("the horizon has no room for all targets in these missions")
+            raise NoPlace("the horizon is too short for all targets in these missions")
     return Tour(order[:-1].copy(), begins[:-1].copy(), at[:-1].copy(), float("inf"))
 
 
@@ -166,7 +166,7 @@ def crossed(
 
 
 Share = Callable[[], float]
-"""Share of the time that is over; the search ends at 1."""
+"""Elapsed share of the time; the search ends at 1."""
 
 
 @dataclass(frozen=True)
@@ -213,7 +213,7 @@ class Annealing:
 
     @property
     def ruin(self) -> RuinRules:
-        """The part for :func:`~.annealing.anneal`."""
+        """The parameters of :func:`~.annealing.anneal`."""
         return RuinRules(self.most, self.wide, self.near, self.blinks, self.noise)
 
 
@@ -259,7 +259,7 @@ class Population:
         self.generations = 0
 
     def advance(self) -> None:
-        """Make the next generation; the first ones are beginnings."""
+        """Make the next generation; the first ones are initial tours."""
         settings, number = self._settings, self.generations
         self.generations += 1
         seeds = [(self._seed * 1009 + number) * 64 + k for k in range(settings.children)]
@@ -312,5 +312,5 @@ class Population:
 
 
 def _alike(one: Tour, other: Tour) -> bool:
-    """Whether two tours are the same but for their times."""
+    """Whether two tours are equal apart from their times."""
     return bool(np.array_equal(one.order, other.order) and np.array_equal(one.begins, other.begins))

@@ -26,13 +26,13 @@ FloatArray = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 NEAR_STEPS = 24
-"""Half of the band of times in which exact costs are looked at, in steps of the fine grid."""
+"""Half width of the band of times with exact costs [steps of the fine grid]."""
 
 AROUND_S = 20.0 * DAY_S
-"""Half of the band of times in which costs to first order are looked at [s]."""
+"""Half width of the band of times with first-order costs [s]."""
 
 ROUNDS = 4
-"""Maximum number of bands, each about the times found in the one before."""
+"""Maximum number of bands, each around the times found in the previous one."""
 
 
 class FineGrid(NamedTuple):
@@ -56,7 +56,7 @@ class FineGrid(NamedTuple):
 
 
 class Growth(NamedTuple):
-    """How legs and targets add up, backwards from the last target of a mission.
+    """Backward recursion of mass, or sum, from the last target of a mission.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A walk of the cheapest mixture, found backwards in what :func:`.cell_walks.sweep` noted."""
+"""A walk of the cheapest mixture, traced back through the records of :func:`.cell_walks.sweep`."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from .costs import FAR, FORBIDDEN
 
 @inlined
 def cost_with(walks, i, memory, t, masses, mass):
-    """Cost of walks that go on from a target with a mass, and the level below it."""
+    """Cost of walks that continue from a target with some mass, and the level below it."""
     level, b = masses.level, 0
     while b + 1 < level.size and level[b + 1] <= mass:
         b += 1
@@ -20,7 +20,7 @@ def cost_with(walks, i, memory, t, masses, mass):
 
 @inlined
 def cheapest_leg(cost, masses, grid, memory_of, walks, here, below):
-    """The leg by which walks come cheapest to a target, at a time, with a memory and a mass.
+    """The cheapest leg to a target, at a time, with a memory and a mass.
 
     Parameters
     ----------

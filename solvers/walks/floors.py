@@ -55,7 +55,7 @@ SLOT_M_S = 20.0
 """Slot of ΔV stated in certificates that do not use it [m/s]."""
 
 OVER = 5e-7
-"""Relative increase of bounds: other code comes to the same ones within less."""
+"""Relative increase of bounds, larger than the deviation of the verifier's code."""
 
 MUCH = 1e3
 """Largest ballast, as a multiple of the mass of an empty chaser."""
@@ -118,7 +118,7 @@ def floor_evidence(problem: Mission | Problem) -> tuple[float, Evidence]:
 
 
 def _together(sacks: Sequence[Sack], number: Sequence[int]) -> Sack:
-    """One knapsack of all chasers, of which there are so many of each kind."""
+    """One knapsack of all chasers, by number of each kind."""
     return Sack(
         prize=np.max([sack.prize for sack in sacks], axis=0),
         took=np.min([sack.took for sack in sacks], axis=0),
@@ -153,7 +153,7 @@ def sack_of(mission: Mission, ballast_kg: float = 0.0) -> Sack:
 
 
 class _Uses(NamedTuple):
-    """What services take of a tank at least, of a full tank, all with some ballast [m/s].
+    """Least ΔV of services, and of a full tank, at some ballast [m/s].
 
     Attributes
     ----------
@@ -199,7 +199,7 @@ def _backwards(mission: Mission, leg_m_s: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def _ballasts(mission: Mission) -> tuple[float, ...]:
-    """Ballasts that are tried [kg]: of the middle of all bodies, and much, among them."""
+    """Ballasts tried [kg], including that of the median body and a large one."""
     if mission.rules.loads is None or not isinstance(mission.chaser.usable, TankByMass):
         return (0.0,)
     rise, more = _backwards(mission, np.minimum(floors(mission)[1], mission.rules.budget))
@@ -232,7 +232,7 @@ def knapsack(sack: Sack) -> Priced:
 
 
 def worth_at(sack: Sack, per_s: float, per_m_s: float) -> float:
-    """The bound at prices of time and of ΔV, of which the first is raised where it is too low."""
+    """The bound at prices of time and ΔV; too low a price of time is raised."""
     if math.isfinite(sack.stop_s):
         per_s = max(per_s, per_m_s * sack.tank / max(sack.stop_s, GUARD))
     some = sack.prize > 0.0

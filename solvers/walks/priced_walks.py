@@ -40,7 +40,7 @@ TANK = 0.5
 """Tanks of ΔV that scale the last multiplier, so that it moves as far as the others."""
 
 MOST_WORTH = 100.0
-"""Upper limit of its worth, in largest prizes."""
+"""Upper limit of a tank's worth, in largest prizes."""
 
 
 class Worths(NamedTuple):

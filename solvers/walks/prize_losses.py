@@ -1,4 +1,4 @@
-"""Losses of prizes in buckets of time, as walks know them."""
+"""Losses of prizes in buckets of time, for walks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..networks.buckets import Buckets
 def prize_losses(
     network: Network, buckets: Buckets, falls: Falls | None, unit: float, bits: int
 ) -> np.ndarray | None:
-    """Losses of the prizes of services that end in each bucket, no more than the truth.
+    """Lower bounds on the losses of prizes of services that end in each bucket.
 
     A leg that lands in an earlier bucket than another one ends no later, so what is left out for
     its sake has lost no less.

@@ -85,7 +85,7 @@ class WalkState(NamedTuple):
 
 @inlined
 def _fallen(fall, bucket):
-    """What a service that ends in a bucket has lost of its prize, packed."""
+    """Loss of prize of a service that ends in a bucket, packed."""
     if fall is None:
         return np.int32(0)
     return fall[bucket]

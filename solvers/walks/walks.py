@@ -364,7 +364,7 @@ class WalkBound:
         return self._kept is not None and np.array_equal(self._kept, multipliers)
 
     def ahead(self, number: int) -> float:
-        """Unpaid part of a mission, by number: the time before it begins."""
+        """Unpaid time before a mission begins, by number of the mission."""
         return self.time_price * float(self.since[number] - self.since[0])
 
     def best_from(self, number: int) -> tuple[float, np.ndarray]:

@@ -65,7 +65,7 @@ class Fleet:
         return float(worths[worths > 0.0].mean())
 
     def better_than(self, other: Fleet) -> bool:
-        """Whether it has more prize, or equal prize at less cost (docs/model.md section 5)."""
+        """Whether it collects more, or as much at less cost (docs/model.md section 5)."""
         return (self.objective, -self.cost) > (other.objective, -other.cost)
 
     def with_orders(self, changed: Mapping[int, ClosedOrder]) -> Fleet:

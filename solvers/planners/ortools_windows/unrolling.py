@@ -101,7 +101,7 @@ def grow(rules, worth, window, limits):
 
 @kernel
 def _unroll(rules, worth, window, limits, nodes):
-    """Fill the nodes, each after all nodes that lead to it; returns how many there are.
+    """Fill the nodes, each after all nodes that lead to it; returns their number.
 
     The heap gives nodes in order of time, and a move takes time: when a node comes out of it, all
     edges into it are known, and with them the best that any path brings there.
@@ -155,7 +155,7 @@ def _unroll(rules, worth, window, limits, nodes):
 
 @inlined
 def _pace(window, now, move):
-    """What the present plan is worth at a time, between the ends of its moves in proportion.
+    """Worth of the current plan at a time, interpolated between the ends of its moves.
 
     Returns
     -------
@@ -215,7 +215,7 @@ def _target_moves(rules, window, limits, state, origin, offers, cost, moves):
 
 @inlined
 def _station_moves(rules, horizon, state, moves, chosen):
-    """Append the moves to stations to those chosen; returns how many there are then."""
+    """Append the moves to stations to those chosen; returns the new number."""
     for j in range(rules.stations):
         if j != state.body:
             legal, delta_v, after = rule_kernels.step(rules, state, j)
