@@ -118,8 +118,8 @@ def target_errors(targets: int = 60, flights: int = 1000) -> None:
         if leg.target_off_m is not None
     )
     print(
-        f"\n{len(refined.legs)} legs. At 95 % targets are {far[len(far) // 2][0]:.1f} km off in the "
-        f"median, and at most {far[-1][0]:.0f} km ({far[-1][1]})."
+        f"\n{len(refined.legs)} legs. At 95 % targets are {far[len(far) // 2][0]:.1f} km off in "
+        f"the median, and at most {far[-1][0]:.0f} km ({far[-1][1]})."
     )
 
 
