@@ -80,14 +80,14 @@ def target_errors(targets: int = 60, flights: int = 1000) -> None:
     """What errors of where targets are cost a refined plan at 95 %, and when it is known how much.
 
     Two catalogues of Iridium 33, of February and April 2025, give element sets of two epochs. The
-    targets with the nearest planes of the first one, for a week, are planned by ``beam`` and
-    refined onto SGP4; flights with the default errors follow: with every body where it is planned,
-    and with errors that the two catalogues show, by the time before the stand-off from which it is
-    known where the target is.
+    targets with the nearest planes of the first one, for a week, are planned by ``greedy-guarded``
+    and refined onto SGP4; flights with the default errors follow: with every body where it is
+    planned, and with errors that the two catalogues show, by the time before the stand-off from
+    which it is known where the target is.
     """
     files = external("tle/*iridium-33*", "omm/*iridium-33*")
     with nearest(files[0], targets) as instance:
-        refined = adr_opt.refine(instance, planned(instance, "beam", 60.0), ephemerides=True)
+        refined = adr_opt.refine(instance, planned(instance), ephemerides=True)
         shown = compared(instance, files)
         print(
             f"{len(shown.differences)} objects compared, {shown.median_age_days:.1f} days apart in "
@@ -118,8 +118,8 @@ def target_errors(targets: int = 60, flights: int = 1000) -> None:
         if leg.target_off_m is not None
     )
     print(
-        f"\nAt 95 % targets are {far[len(far) // 2][0]:.1f} km off in the median, and at most "
-        f"{far[-1][0]:.0f} km ({far[-1][1]})."
+        f"\n{len(refined.legs)} legs. At 95 % targets are {far[len(far) // 2][0]:.1f} km off in "
+        f"the median, and at most {far[-1][0]:.0f} km ({far[-1][1]})."
     )
 
 

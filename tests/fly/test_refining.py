@@ -17,15 +17,18 @@ from plans import moved_to, solved, unjudged, with_legs
 from seeds import first_of
 
 import adr_opt
+from adr_opt.common.constants import MU_M3_S2
 from adr_opt.fly.flight import fly_refined
-from adr_opt.fly.refine.bodies import TrueBodies
+from adr_opt.fly.refine.bodies import TrueBodies, moved, state_at_epoch
 from adr_opt.fly.refine.leg import LegEnds, close, fly
-from adr_opt.fly.refine.one_leg import planned_angles
+from adr_opt.fly.refine.one_leg import first_of_approach, planned_angles
 from adr_opt.kernels.orbits import coast
 from adr_opt.kernels.orbits.gravity import FIELDS
-from adr_opt.plan.plan import Plan
+from adr_opt.plan.plan import Burn, Plan
 from adr_opt.plan.refined_plan import RefinedLeg, RefinedPlan
 from adr_opt.problem.instance import Instance
+from adr_opt.problem.orbit import Orbit
+from adr_opt.problem.settings import SequenceSettings
 
 ROOT = Path(__file__).parents[2]
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", ROOT / "../shared/data"))
@@ -329,3 +332,34 @@ def test_an_empty_plan_is_refined_and_flown() -> None:
     one = adr_opt.refine(instance, unjudged(instance, with_legs(plan, ())))
     assert (one.status, one.legs) == ("complete", ())
     assert not fly_refined(instance, unjudged(instance, one)).strayed
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_an_approach_on_an_ellipse_begins_in_the_plane(seed: int) -> None:
+    """Planes that differ by a metre are closed on the way, not by what the approach begins with."""
+    random = np.random.default_rng(seed)
+    orbit = Orbit(
+        semi_major_axis_m=7.2e6,
+        eccentricity=random.uniform(0.001, 0.03),
+        inclination_deg=80.0,
+        raan_deg=random.uniform(0.0, 360.0),
+        argument_of_perigee_deg=random.uniform(0.0, 360.0),
+        true_anomaly_deg=random.uniform(0.0, 360.0),
+    )
+    target = state_at_epoch(orbit, "two-body", 0.0)
+    half_s = math.pi * math.sqrt(orbit.semi_major_axis_m**3 / MU_M3_S2)
+    normal = np.cross(target[:3], target[3:])
+    normal /= np.linalg.norm(normal)
+    goal = moved(target, half_s, "two-body")
+    goal[:3] += random.uniform(-1.0, 1.0) * normal
+    behind = moved(target, -1000.0 / math.hypot(*target[3:]), "two-body")
+    last = LegEnds(behind, goal, 0.0, half_s, math.pi, "two-body")
+    size_m_s = 250.0 * math.pi / half_s
+    outward = target[:3] / np.linalg.norm(target[:3])
+    burns = tuple(
+        Burn(time_s=time_s, delta_v_m_s=tuple(size_m_s * sign * outward), phase="approach")
+        for time_s, sign in ((0.0, -1.0), (half_s, 1.0))
+    )
+    begins = first_of_approach(last, SequenceSettings(), burns)
+    assert abs(begins @ normal) < 0.01 * size_m_s
+    assert np.linalg.norm(begins) < 1.2 * size_m_s

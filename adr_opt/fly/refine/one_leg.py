@@ -184,7 +184,7 @@ def first_of_approach(last: LegEnds, settings: SequenceSettings, burns: tuple[Bu
     The transfer ends with it: its last impulse is one vector with this.
     """
     if settings.approach == "half-lap":
-        begins: Array = close(last, *_with_a_middle(burns, last.angle)).impulses[0]
+        begins: Array = close(last, *_with_a_middle(burns, last.angle), evenly=True).impulses[0]
         return begins
     return _by_rule(last, approach_of(settings).burns[0], last.start)
 
@@ -193,15 +193,16 @@ def docked(last: LegEnds, settings: SequenceSettings, burns: tuple[Burn, ...]) -
     """The rest of an approach that has begun."""
     if settings.approach == "half-lap":
         times, impulses = _with_a_middle(burns, last.angle)
-        return close(last, times[1:], impulses[1:])
+        return close(last, times[1:], impulses[1:], evenly=True)
     return _round_the_target(last, settings, [burn.time_s for burn in burns])
 
 
 def _with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
     """Burns of the approach with another a quarter lap after the first.
 
-    Half a lap after it an impulse across the plane has no effect: what the planes of the chaser
-    and the target differ by, some decimetres, is closed between.
+    Half a lap after it an impulse across the plane has no effect, and on an ellipse next to none:
+    what the planes of the chaser and the target differ by, some decimetres, is closed between. So
+    changes are shared out evenly, and not by the size of burns.
     """
     times = np.array([burn.time_s for burn in burns])
     impulses = np.array([burn.delta_v_m_s for burn in burns])
@@ -247,7 +248,7 @@ def _round_the_target(
     at = np.array([begin_s, 0.5 * (begin_s + end_s), end_s])
     towards = np.zeros((3, 3))
     towards[0] = _by_rule(last, rows[-2] * [0.0, 0.0, 0.0, 1.0, 0.0], state)
-    closed = close(capture, at, towards)
+    closed = close(capture, at, towards, evenly=True)
     return FlownImpulses(
         np.r_[times_s[1:-2], closed.times],
         np.vstack([made, closed.impulses]),
