@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 VARIABLE = "ADR_OPT_PROGRESS"
-"""Environment variable that asks for the lines, if it is not empty."""
+"""Environment variable that requests the lines if it is not empty."""
 
 SIGN = "adr-opt-progress: "
 """Beginning of each line; a JSON object follows, with ``share`` (0 to 1, or null) and ``said``."""
@@ -20,7 +20,7 @@ PAUSE_S = 0.3
 
 
 def teller() -> Callable[[float | None, str], None] | None:
-    """A function that tells share and words of the progress; None if nobody asks."""
+    """A function that reports share and words of the progress; None if not requested."""
     if not os.environ.get(VARIABLE):
         return None
     last = [-PAUSE_S]

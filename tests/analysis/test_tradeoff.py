@@ -389,7 +389,7 @@ def test_the_verb_writes_what_it_tells(cli: Cli) -> None:
         assert float(row["prize"]) == point["prize"]
         assert json.loads(row["routes"]) == point["routes"]
     Path("t.jsonl").unlink()
-    refused(cli(*call, "--out", "t.csv"), "t.csv: is there without t.jsonl, from which to go on")
+    refused(cli(*call, "--out", "t.csv"), "t.csv: exists without t.jsonl, so it cannot be resumed")
     assert content["proven"] == 4
     assert [point["status"] for point in content["points"]] == ["optimal"] * 4
 

@@ -45,7 +45,7 @@ def test_bad_options_are_refused(files: list[str], cli: Cli, options: str, named
 
 def test_a_plan_that_is_not_refined_is_refused(files: list[str], cli: Cli) -> None:
     """All forces need osculating states, which a refined plan has."""
-    refused(cli("fly", files[0], files[2], "--forces", "full"), "a refined plan is flown")
+    refused(cli("fly", files[0], files[2], "--forces", "full"), "needs a refined plan")
 
 
 @pytest.mark.parametrize("package", ["brahe", "astropy_iers_data"])

@@ -232,7 +232,7 @@ def test_summaries_tell_what_chasers_carry_and_take(cli, refuelled) -> None:
     thirsty().save("thirsty.json")
     outcome = cli("solve", "thirsty.json", "--time-limit", 20, "--out", "plan.json")
     assert outcome.status == 0
-    assert "kg aboard, the least that its route can be flown with" in outcome.out
+    assert "kg aboard, the least with which its route can be flown" in outcome.out
     assert f"expense {refuelled.cost:,.6g}" in outcome.out
     assert cli("check", "thirsty.json", "plan.json").status == 0
     assert cli("report", "thirsty.json", "plan.json", "--out", "page.html").status == 0

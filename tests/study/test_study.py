@@ -185,7 +185,7 @@ def test_processes_make_the_rows_of_one(rows: Rows, tmp_path: Path) -> None:
     assert found == WHOLE | {1: {"failed": "WorkerDied"}}
     assert [falling.made(key) for key in WHOLE] == [1, 2, 2, 1]
     assert set(read(path, squares(rows))) == set(map(str, WHOLE))
-    with pytest.raises(WorkerDied, match="its process died, twice"):
+    with pytest.raises(WorkerDied, match="its process died twice"):
         run(squares(falling, apart=True), [1])
 
 

@@ -112,7 +112,7 @@ def test_check_flies_by_itself(cli: Cli) -> None:
     assert "1 short leg planned with" in said.out
     assert "1 drift planned with" in said.out
     write(instance, plan.replace(flown=boast.replace(legs_sha256="0" * 64)))
-    assert "the flight that it records is of other legs" in cli("check", "my.json", "plan.json").out
+    assert "the flight that it records has other legs" in cli("check", "my.json", "plan.json").out
 
 
 @pytest.mark.usefixtures("drawn")

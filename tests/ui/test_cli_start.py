@@ -166,17 +166,17 @@ def test_a_plan_for_the_expected_prize_says_so(planned, cli: Cli, tiny_file) -> 
         (("--expected",), "--expected needs --uncertainty"),
         (
             ("--expected", "--confidence", 0.9, "--uncertainty", "u.json"),
-            "--expected does not go with --confidence",
+            "--expected cannot be combined with --confidence",
         ),
         (
             ("--expected", "--uncertainty", "u.json", "--bound", "exact"),
-            "--bound does not go with --expected",
+            "--bound cannot be combined with --expected",
         ),
         (("--confidence", 1.0, "--uncertainty", "u.json"), "confidence = 1.0"),
         (("--confidence", 0.9, "--uncertainty", "none.json"), "none.json"),
         (
             ("--confidence", 0.9, "--uncertainty", "u.json", "--margin", 0.1),
-            "--margin does not go with --confidence",
+            "--margin cannot be combined with --confidence",
         ),
     ],
 )

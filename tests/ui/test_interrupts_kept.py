@@ -174,7 +174,7 @@ def test_a_training_ends_with_a_checkpoint(cli: Cli, monkeypatch: pytest.MonkeyP
     assert outcome.status == 130
     assert outcome.err.splitlines()[1:] == [
         "adr-opt: interrupted: waiting for the checkpoint; interrupt again to abort",
-        "adr-opt: interrupted: run holds a checkpoint; the same command goes on from it",
+        "adr-opt: interrupted: run holds a checkpoint; the same command resumes from it",
     ]
 
 

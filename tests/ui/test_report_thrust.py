@@ -211,7 +211,7 @@ def test_a_plan_whose_arcs_lead_nowhere_is_still_told_of() -> None:
     wrong = plan.legs[at].replace(manoeuvres=(arcs[0].replace(size_m_s=1e5), arcs[1]))
     spoilt = with_legs(plan, [*plan.legs[:at], wrong, *plan.legs[at + 1 :]])
     text = page(instance, spoilt)
-    assert f"leg {at + 1}: its arcs lead to no orbit" in text
+    assert f"leg {at + 1}: its arcs do not lead to a closed orbit" in text
     assert "the change of size is incomplete" in text
 
 

@@ -84,7 +84,7 @@ def test_an_instance_with_files_of_others_is_refused(at: At) -> None:
     content = json.loads(hand_made().to_json())
     content["transfer"]["given"] = {"file": "a.parquet", "sha256": "0" * 64}
     error = at.drop("i.json", json.dumps(content).encode(), 422)["error"]
-    assert "belongs together with other files" in error
+    assert "refers to other files" in error
     content["transfer"]["given"] = {"file": "../a.parquet", "sha256": "0" * 64}
     at.drop("i.json", json.dumps(content).encode(), 422)
 

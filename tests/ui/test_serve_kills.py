@@ -125,7 +125,7 @@ def test_a_killed_server_leaves_what_was_done_and_nothing_else(tmp_path: Path, c
     """Files are private, the folder has one server, and its processes end with it."""
     folder = tmp_path / "project"
     with served(folder) as server:
-        refused(cli("serve", "--folder", str(folder), "--no-open"), "another server is working")
+        refused(cli("serve", "--folder", str(folder), "--no-open"), "another server uses")
         server.drop("i", hand_made().to_json().encode())
         server.post("/plan", GREEDY)
         until(lambda: server.ask("GET", "/state")["result"] is not None)
@@ -169,7 +169,7 @@ def test_a_planning_process_that_dies_is_said_and_replaced(tmp_path: Path) -> No
         assert work.wait(60.0)
         look = work.progress()
         assert (look.number, look.phase) == (1, "failed")
-        assert look.said.startswith("the process that plans has ended by signal 9")
+        assert look.said.startswith("the planning process has died by signal 9")
         work.begin(hand_made(), PlanningOrder(method="greedy-guarded", time_limit_s=20.0), None)
         assert work.wait(60.0)
         assert (work.progress().number, work.progress().phase, work.progress().said) == (

@@ -183,7 +183,7 @@ def test_dropped_files_are_known_by_what_is_in_them(at: At, tmp_path: Path) -> N
     at.drop("c.tle", catalogue(20, seed=1))  # in place of the one of the same name
     assert len(at.get("/objects")["names"]) == 20
     strange = at.post("/choose", {"names": ["nobody"]}, 422)
-    assert strange["error"] == "'nobody' is no object of the catalogue"
+    assert strange["error"] == "'nobody' is not an object of the catalogue"
 
 
 def test_a_history_forgets_its_beginning_where_it_is_too_large(
@@ -398,8 +398,8 @@ def test_a_mission_with_ephemerides_leaves_nothing_beside_the_project(at: At) ->
         ({"kit_mass": 5}, "Mass of a kit: there are no kits"),
         ({"duration_days": -1}, "Mission duration = -1: must be a positive number"),
         ({"require": "nobody"}, "Required objects"),
-        ({"prizes": "/etc/passwd"}, "'prizes' is no option of an import"),
-        ({"out": "/tmp/x"}, "'out' is no option of an import"),
+        ({"prizes": "/etc/passwd"}, "'prizes' is not an option of an import"),
+        ({"out": "/tmp/x"}, "'out' is not an option of an import"),
         ({"station": "a\nb"}, "Station"),
         ({"name": " "}, "Names kept"),
         ({"max_targets": 0}, "Most targets = 0: must be a positive number"),

@@ -1,4 +1,4 @@
-"""The command line as a process of :mod:`adr_opt.ui.serve`, with which it ends."""
+"""The command line as a child process of :mod:`adr_opt.ui.serve`, which ends with the server."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ Show = Callable[[int, int], None]
 
 @contextmanager
 def counting_bar(shown: bool, what: str) -> Iterator[Show]:
-    """Yield a callback for the numbers of finished parts and of all parts.
+    """Yield a callback for the number of finished parts and the total.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def counting_bar(shown: bool, what: str) -> Iterator[Show]:
 
 @contextmanager
 def percent_bar(shown: bool, what: str) -> Iterator[Callable[[float], None]]:
-    """Yield a callback for the share that is done."""
+    """Yield a callback for the finished share."""
     with counting_bar(shown, f"{what}, %") as show:
         yield lambda share: show(round(100.0 * share), 100)
 
@@ -78,7 +78,7 @@ def busy_bar(shown: bool, what: str) -> Iterator[None]:
 
 
 def wanted(as_json: bool, quiet: bool) -> bool:
-    """Whether to show it: standard error is a terminal, and neither option forbids it."""
+    """Whether to show progress: standard error is a terminal, and neither option forbids it."""
     return not as_json and not quiet and sys.stderr is not None and sys.stderr.isatty()
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...fly.flight.mean_flight import MeanFlight
 
 VIOLATED, UNASKED = "it has violations", "not requested"
-"""Reasons for not flying."""
+"""Reasons why a plan was not flown."""
 
 
 @click.command("check")
@@ -44,7 +44,7 @@ def command(
     if is_refined(plan_path):
         return _of_refined(instance_path, plan_path, planned_path, as_json)
     if planned_path is not None:
-        raise InputError(f"--refined-from: {plan_path} is no refined plan; leave it out")
+        raise InputError(f"--refined-from: {plan_path} is not a refined plan; leave it out")
     admitted = admitted_plan(instance_path, plan_path, unjudged=True)
     instance, plan, violations = admitted.instance, admitted.plan, admitted.violations
     say_doubts(instance)
@@ -81,7 +81,7 @@ def command(
         if off is not None:
             emit(f"{plan_path}: {off}")
         if plan.flown is not None and plan.own_flight is None:
-            emit(f"{plan_path}: the flight that it records is of other legs")
+            emit(f"{plan_path}: the flight that it records has other legs")
     return 1 if violations else 0
 
 

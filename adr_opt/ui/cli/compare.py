@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     "plan_paths", nargs=-1, required=True, metavar="PLAN PLAN...", shell_complete=complete.files
 )
 @param.file("--page", "HTML file to write as well.", name="page_path")
-@param.flag("--all", "List the legs too that are the same.", name="tell_all")
+@param.flag("--all", "List equal legs, too.", name="tell_all")
 @param.as_json
 @param.quiet
 def command(

@@ -29,12 +29,12 @@ def _beginning(names: tuple[str, ...], incomplete: str) -> list[str]:
 
 
 def files(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[Any]:
-    """Have the shell list files."""
+    """Let the shell list files."""
     return [CompletionItem(incomplete, type="file")]
 
 
 def folders(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[Any]:
-    """Have the shell list folders."""
+    """Let the shell list folders."""
     return [CompletionItem(incomplete, type="dir")]
 
 

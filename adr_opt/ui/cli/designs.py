@@ -31,7 +31,7 @@ class EuroCosts(NamedTuple):
 
 
 class StudyOutputs(NamedTuple):
-    """Files that a study writes; None for those that are not asked for."""
+    """Files that a study writes; None for those not requested."""
 
     results: str | None
     page: str | None
@@ -40,7 +40,7 @@ class StudyOutputs(NamedTuple):
 
 
 class StudySettings(NamedTuple):
-    """How designs are run."""
+    """Settings of the runs of designs."""
 
     method: str
     time_limit: float
@@ -61,7 +61,7 @@ def study(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Run a study of designs and write what it comes to; returns the exit status."""
+    """Run a study of designs and write its results; returns the exit status."""
     from ...analysis.design.prices import CampaignPrices
     from ...analysis.design.study import design_study
     from ...sources.worth import load_set_worths
@@ -102,7 +102,7 @@ def study(
         made = work(lambda stop, progress: run(stop), live=False, quiet=quiet)
     if made.rating.left_out:
         say(
-            f"left out, as no worth is known: {len(made.rating.left_out)} of "
+            f"left out, as their worth is unknown: {len(made.rating.left_out)} of "
             f"{len(instance.targets)} targets",
             unless=quiet,
         )

@@ -1,4 +1,4 @@
-"""``dispose``: what becomes of the objects and chasers of a plan, as a licence asks."""
+"""``dispose``: fates of a plan's objects and chasers, and compliance with licence rules."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ...analysis.disposal import Fate
 
 
-@click.command("dispose", short_help="What becomes of released objects and chasers.")
+@click.command("dispose", short_help="Fates of released objects and chasers.")
 @param.instance
 @param.plan
 @param.number("--years", "YEARS", "Longest lifetime; by default the mission's, or 25.")
@@ -26,8 +26,10 @@ if TYPE_CHECKING:
     "most_uncontrolled_kg",
 )
 @param.number("--survives", "SHARE", "Share of a mass that reaches the ground; default 0.094.")
-@param.number("--piece", "KG", "Mass of a piece that does; default 20.5.", "piece_kg")
-@param.number("--piece-area", "M2", "Cross-section of a piece; default 0.105.", "piece_m2")
+@param.number("--piece", "KG", "Mass of a surviving piece; default 20.5.", "piece_kg")
+@param.number(
+    "--piece-area", "M2", "Cross-section of a surviving piece; default 0.105.", "piece_m2"
+)
 @param.number("--fails", "SHARE", "Chance that a controlled re-entry fails; default 0.1.")
 @param.number(
     "--kit-isp", "S", "Specific impulse of kits.", "kit_isp_s", default=220.0, show_default=True
@@ -51,7 +53,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Say of every object that PLAN releases, and of every chaser, what becomes of it.
+    """Report the fates of all objects that PLAN releases, and of all chasers.
 
     Exit status 1: a rule is not met.
     """

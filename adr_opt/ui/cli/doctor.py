@@ -67,6 +67,6 @@ def _kernels(found: Installation) -> str:
     if found.cache is None:
         return "not examined"
     if not found.cache.folder:
-        return "kept nowhere"
+        return "cached nowhere"
     kernels = counted(found.cache.kernels, "kernel")
     return f"{kernels}, {found.cache.size_bytes / 1e6:.1f} MB, in {found.cache.folder}"

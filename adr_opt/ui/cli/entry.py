@@ -37,7 +37,7 @@ class Verbs(click.Group):
     """A group whose verbs are imported on use."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """All verbs, in their usual order of use."""
+        """All verbs, in the usual order of use."""
         return list(VERBS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
@@ -62,7 +62,7 @@ class Verbs(click.Group):
 
 
 def _debug(*, hidden: bool = False) -> click.Option:
-    """The option, before and after a verb; the entry looks for it before anything is parsed."""
+    """The option ``--debug``, before or after a verb; it is looked for before parsing."""
     return click.Option(
         [DEBUG],
         is_flag=True,
@@ -116,7 +116,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _answered(words: list[str], arrived: Callable[[], bool]) -> int:
-    """Run a verb, and say what it raises; ``arrived`` tells of an interrupt, and ends it."""
+    """Run a verb and report what it raises; ``arrived`` tells of an interrupt, and ends it."""
     try:
         try:
             status = _run(words.copy())  # click takes them away
@@ -162,7 +162,7 @@ def _answered(words: list[str], arrived: Callable[[], bool]) -> int:
 
 
 def _failed(words: list[str], error: Exception) -> int:
-    """Say in one sentence what is no fault of the input; with ``--debug`` where it happened."""
+    """Report an error not caused by the input in one sentence; with ``--debug``, its traceback."""
     if DEBUG in words:
         traceback.print_exception(error)
     say(failure(error) + ("" if DEBUG in words else f"; {DEBUG} prints the traceback"))

@@ -81,7 +81,7 @@ def command(
     if object_id is not None and not (object_id.strip() and object_id.isascii()):
         raise InputError(f"--object-id {object_id!r}: give a designator like 2026-001A, in ASCII")
     if object_id is not None and not object_id.isprintable():
-        raise InputError(f"--object-id {object_id!r}: give it in one line")
+        raise InputError(f"--object-id {object_id!r}: must be on one line")
 
     from ...export.flights.write import TOGETHER, FlightFile, flown, format_of, write_trajectory
     from ...plan.refined_plan import is_refined

@@ -72,7 +72,7 @@ def save_noted(refined: RefinedPlan, what: str, said: str, out: str, quiet: bool
 
 
 def tanks_told(flight: Flight | RefinedFlight | ForcedFlight) -> list[str]:
-    """Tanks that break, or else the fullest use; empty if no tank is used."""
+    """Tanks that break, or else the fullest one; empty if no tank is used."""
     if flight.broken_tanks or not flight.tanks:
         return [str(tank) for tank in flight.broken_tanks]
     worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)

@@ -31,7 +31,7 @@ MOTIONS = {"two-body": "two-body motion", "j2": "mean motion under J2"}
 """Names of an instance's dynamics."""
 
 FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items()}
-"""Beginnings of the notes written by ``--out``, which replace each other."""
+"""Beginnings of notes written by ``--out``; a new note replaces the earlier one."""
 
 
 @click.command("fly", short_help="Fly the burns of PLAN and measure the misses.")
@@ -128,7 +128,7 @@ def annotated(plan: Plan, flight: Flight) -> Plan:
     if flight.drifts:
         note += f"; {_drifts(flight)}"
     if flight.true_legs:
-        note += " between the circles planned with; on the true orbits: " + _truth(flight)
+        note += " between the planned circles; on the true orbits: " + _truth(flight)
     note += f"; {_tanks(flight)}"
     kept = tuple(other for other in plan.notes if not other.startswith(tuple(FLOWN.values())))
     return plan.replace(notes=(*kept, note))

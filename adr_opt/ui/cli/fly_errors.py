@@ -37,26 +37,26 @@ OPTIONS = (
         "--target-errors",
         str,
         "FILE",
-        "Errors of where targets are: a table, as CSV or JSON, or an OEM.",
+        "Position errors of targets: a table, as CSV or JSON, or an OEM.",
     ),
     (
         "--element-sets",
         str,
         "FILE",
-        "Element sets of targets, of several epochs: errors by comparing them; repeatable.",
+        "Element sets of targets at several epochs, compared to estimate errors; repeatable.",
     ),
     (
         "--known-before",
         float,
         "S",
-        "Time before a stand-off from which it is known where the target is; default one "
+        "Time before a stand-off from which the target's position is known; default one "
         "revolution.",
     ),
     (
         "--out-uncertainty",
         str,
         "FILE",
-        "Uncertainty file to write, with the usable share of tanks that the flights amount to.",
+        "Uncertainty file to write, with the usable share of tanks estimated from the flights.",
     ),
 )
 
@@ -80,7 +80,7 @@ class Sampling(NamedTuple):
     out_uncertainty: str | None
 
     def refuse_stray(self) -> None:
-        """Raise :class:`InputError` for error options without what they belong to."""
+        """Raise :class:`InputError` for error options without the options that they need."""
         if self.target_errors is not None and self.element_sets:
             raise InputError("--target-errors and --element-sets exclude each other; give one")
         if self.samples is not None:
@@ -93,13 +93,13 @@ class Sampling(NamedTuple):
 
     @property
     def of_targets(self) -> bool:
-        """Whether targets may be elsewhere than planned."""
+        """Whether targets may deviate from their planned positions."""
         return self.target_errors is not None or bool(self.element_sets)
 
     def errors_of_targets(
         self, instance: Instance
     ) -> tuple[Mapping[str, TargetError] | None, SetsCompared | None]:
-        """Errors of where targets are, and what element sets show if they come from these."""
+        """Position errors of targets, and the comparison of element sets if they come from one."""
         from ...sources.uncertainty import compared, read_target_errors
 
         if self.target_errors is not None:
@@ -113,14 +113,14 @@ class Sampling(NamedTuple):
         """Raise :class:`InputError` if flights with errors are requested of an unrefined plan."""
         if self.samples is not None:
             raise InputError(
-                f"{plan_path}: flights with errors are those of a refined plan; make one with "
-                "'refine' and give that"
+                f"{plan_path}: flights with errors need a refined plan; make one with 'refine' and "
+                "give that"
             )
 
     def save_uncertainty(
         self, instance: Instance, refined: RefinedPlan, dispersion: Dispersion, quiet: bool
     ) -> None:
-        """Write what flights with errors amount to, if that is asked for."""
+        """Write the uncertainty estimated from flights with errors, if requested."""
         if self.out_uncertainty is None:
             return
         from ...fly.dispersion import usable_tank
@@ -133,7 +133,7 @@ class Sampling(NamedTuple):
     def fly(
         self, admitted: Admitted[RefinedPlan], targets: Mapping[str, TargetError] | None, show: Show
     ) -> Dispersion:
-        """Fly the requested number of times, with errors of where targets are."""
+        """Fly the requested number of times, with position errors of targets."""
         from ...fly.dispersion import FlightErrors, sample_flights
 
         assert self.samples is not None
@@ -167,7 +167,7 @@ error_options = param.together(
 
 
 def tell(dispersion: Dispersion, shown: SetsCompared | None = None) -> None:
-    """Print the outcome of flights with errors, and what element sets show."""
+    """Print the outcome of flights with errors, and the comparison of element sets."""
     _tell_legs(dispersion)
     if shown is not None:
         emit(_shown(shown))
@@ -219,7 +219,7 @@ def said(dispersion: Dispersion) -> list[str]:
 
 
 def _shown(compared: SetsCompared) -> str:
-    """What comparing element sets shows, in a sentence."""
+    """A sentence on the comparison of element sets."""
     growths = [compared.growths[body] for body in compared.differences]
     middle = [median([growth[at] for growth in growths]) for at in range(4)]
     pairs = sum(map(len, compared.differences.values()))

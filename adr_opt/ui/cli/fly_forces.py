@@ -25,7 +25,11 @@ FLOWN = "flown with all forces"
 
 OPTIONS = (
     ("--area-mass", "M2_KG", "Cross-section of a chaser over its mass; default 0.01."),
-    ("--target-area-mass", "M2_KG", "The same of targets; by default that of the chaser."),
+    (
+        "--target-area-mass",
+        "M2_KG",
+        "Cross-section of targets over their mass; by default that of the chaser.",
+    ),
     ("--cd", "NUMBER", "Drag coefficient; default 2.2."),
     ("--cr", "NUMBER", "Coefficient of radiation pressure; default 1.3."),
 )
@@ -43,7 +47,7 @@ class Asked(NamedTuple):
 
     @property
     def is_full(self) -> bool:
-        """Whether all forces are asked for."""
+        """Whether all forces are requested."""
         return self.forces == "full"
 
     def refuse_stray(self, samples: int | None) -> None:
@@ -62,8 +66,8 @@ class Asked(NamedTuple):
         """Raise :class:`InputError` if all forces are requested for an unrefined plan."""
         if self.is_full:
             raise InputError(
-                f"{plan_path}: with all forces a refined plan is flown; make one with 'refine' "
-                "and give that"
+                f"{plan_path}: a flight with all forces needs a refined plan; make one with "
+                "'refine' and give that"
             )
 
     def settings(self) -> Forces:

@@ -33,33 +33,46 @@ crew_options = param.together(
         "DAYS",
         "Least interval between launches, whose times are then optimised.",
     ),
-    param.word("--launch-into", "KM,DEG", "Altitude and inclination that they are launched into."),
-    param.word("--launcher", "KM=KG,...", "What the launcher lifts to altitudes, kits included."),
-    param.number("--end-of-life", "M_S", "ΔV that each keeps for its own disposal; no default."),
+    param.word("--launch-into", "KM,DEG", "Altitude and inclination of the launch orbit."),
+    param.word(
+        "--launcher", "KM=KG,...", "Mass that the launcher lifts to each altitude, kits included."
+    ),
+    param.number(
+        "--end-of-life", "M_S", "ΔV that each chaser keeps for its own disposal; no default."
+    ),
     param.word(
         "--expense",
         "FIXED[,PER_KG[,PER_KG2]]",
         "Cost of each chaser used; the least total decides between equal plans.",
     ),
     param.number("--thrust", "N", "Low thrust of each chaser, in place of impulses."),
-    param.number("--duty-cycle", "SHARE", "Share of the time in which it is on; default 1."),
+    param.number("--duty-cycle", "SHARE", "Share of the time with thrust on; default 1."),
     param.number(
         "--service-days", "D", "Duration of each service; by default one revolution of the target."
     ),
     param.many(
-        "--deadline", "OBJECT=DAYS", "Latest end of its service; repeatable.", name="deadlines"
+        "--deadline",
+        "OBJECT=DAYS",
+        "Latest end of an object's service; repeatable.",
+        name="deadlines",
     ),
     param.many(
         "--require",
         "OBJECT",
-        "Must be serviced; an error if filters omit it; repeatable.",
+        "Object that must be serviced; an error if filters omit it; repeatable.",
         name="required",
     ),
     param.many(
-        "--must", "OBJECT[,OBJECT...]", "Must be serviced, regardless of filters.", name="musts"
+        "--must",
+        "OBJECT[,OBJECT...]",
+        "Object that must be serviced, regardless of filters.",
+        name="musts",
     ),
     param.many(
-        "--exclude", "OBJECT[,OBJECT...]", "Not to be a target; repeatable.", name="excluded"
+        "--exclude",
+        "OBJECT[,OBJECT...]",
+        "Object that must not be a target; repeatable.",
+        name="excluded",
     ),
     param.file(
         "--prizes",
@@ -110,7 +123,7 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
     show_default=True,
     help="Motion of planes; with j2 they drift.",
 )
-@param.flag("--no-refuelling", "No station; the chaser starts in its place.")
+@param.flag("--no-refuelling", "No station; the chaser starts where it would be.")
 @param.number(
     "--drift-step-days", "D", "Time step of long transfers; by default 1/150 of the mission."
 )

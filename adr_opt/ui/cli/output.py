@@ -82,7 +82,7 @@ class Harmless:
 
 
 def say_written(*paths: str | None, quiet: bool) -> None:
-    """Say which files were written; None for those that were not asked for."""
+    """Say which files were written; None for those not requested."""
     for path in paths:
         say(f"wrote {path}", unless=quiet or path is None)
 
@@ -98,7 +98,7 @@ def say(message: str, *, unless: bool = False) -> None:
 def say_doubts(
     instance: Instance, *, quiet: bool = False, reword: Callable[[str], str] = str
 ) -> None:
-    """Say on standard error which values look like slips, reworded for who gave them."""
+    """Note on standard error the values that look like mistakes, in the caller's terms."""
     from ...problem.plausible import doubts
 
     for doubt in doubts(instance):

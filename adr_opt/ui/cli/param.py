@@ -60,7 +60,7 @@ def together(*options: Callable[[Any], Any]) -> Callable[[Function], Function]:
 
 
 def taken(kind: type[Record], given: dict[str, Any]) -> Record:
-    """Values of a verb's options by a record of them, taken out of those that are given."""
+    """Move a verb's option values into a record, out of the given arguments."""
     return kind(**{name: given.pop(name) for name in signature(kind).parameters})
 
 
@@ -79,37 +79,43 @@ method = word(
 )
 satcat = file("--satcat", "satcat.tsv of the General Catalog, for masses and sizes.", "satcat_path")
 measures = file(
-    "--table", "CSV file with columns object,mass,size, preferred to both.", "table_path"
+    "--table",
+    "CSV file with columns object,mass,size, preferred to the other sources.",
+    "table_path",
 )
 activity = choice(
     "--activity",
     ("low", "mean", "high"),
-    "Solar activity, on which the density of the air depends.",
+    "Solar activity, which sets the density of the atmosphere.",
     default="mean",
     show_default=True,
 )
 exclude = many(
-    "--exclude", "PATTERN", "Names to leave out, such as satellites that dodge; repeatable."
+    "--exclude", "PATTERN", "Names to leave out, such as manoeuvring satellites; repeatable."
 )
 skip_bad = flag("--skip-bad", "Skip bad rows, and count them.")
 seed = click.option(
-    "--seed", type=int, default=0, show_default=True, help="Same seed, same result."
+    "--seed",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Seed of random choices; the same seed gives the same result.",
 )
 
 
 approach = choice(
-    "--approach", ("half-lap", "safety-ellipse"), "How targets are approached; default half-lap."
+    "--approach", ("half-lap", "safety-ellipse"), "Kind of approach to targets; default half-lap."
 )
 burns = choice(
     "--burns",
     ("sequence", "free"),
-    "Burns that short legs are priced by; by default free if an imported orbit is eccentric.",
+    "Burns that set the price of short legs; by default free if an imported orbit is eccentric.",
 )
-keep_out = number("--keep-out", "M", "Distance that a safety ellipse keeps; default 200.")
+keep_out = number("--keep-out", "M", "Keep-out radius of a safety ellipse; default 200.")
 
 
 def fitting_options(usual: str) -> Callable[[Function], Function]:
-    """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank by default."""
+    """The options of tanks, kits and tows; ``usual`` describes the default ΔV of a tank."""
     return together(
         number("--delta-v", "M_S", f"ΔV of a full tank; {usual}."),
         number("--dry-mass", "KG", "For a tank by mass: mass without propellant."),
@@ -117,14 +123,18 @@ def fitting_options(usual: str) -> Callable[[Function], Function]:
         number("--isp", "S", "For a tank by mass: specific impulse."),
         count("--kits", "K", "Each target needs a kit; at most K aboard."),
         number("--kit-mass", "KG", "Mass of a kit; default 0."),
-        number("--kit-isp", "S", "Kits lead to the disposal orbit, and carry what that takes."),
-        number("--tow", "KG", "Mass of each target, which is to be towed."),
+        number("--kit-isp", "S", "Specific impulse of kits, sized to reach the disposal orbit."),
+        number("--tow", "KG", "Mass of each target; targets are towed."),
         number(
             "--disposal-altitude", "KM", "Altitude of the circular orbit that targets are towed to."
         ),
-        number("--disposal-perigee", "KM", "Instead: altitude that perigees are lowered to."),
+        number("--disposal-perigee", "KM", "Altitude to which perigees are lowered instead."),
         number(
-            "--max-lifetime", "YEARS", "How long a released target may stay in orbit; no default."
+            "--max-lifetime", "YEARS", "Longest time of a released target in orbit; no default."
         ),
-        number("--max-uncontrolled", "KG", "Heavier ones re-enter under control; no default."),
+        number(
+            "--max-uncontrolled",
+            "KG",
+            "Mass above which targets re-enter under control; no default.",
+        ),
     )

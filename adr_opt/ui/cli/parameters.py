@@ -37,7 +37,7 @@ run_options = param.together(
 
 
 def admitted_plan(instance_path: str, plan_path: str, *, unjudged: bool = False) -> Admitted[Plan]:
-    """The plan given to a verb, as the judge lets it in, with its instance.
+    """The plan given to a verb, once judged, with its instance.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def admitted_plan(instance_path: str, plan_path: str, *, unjudged: bool = False)
 def admitted_refined(
     instance_path: str, refined_path: str, *, unjudged: bool = False, excused: Collection[str] = ()
 ) -> Admitted[RefinedPlan]:
-    """The same of a refined plan."""
+    """The refined plan given to a verb, once judged, with its instance."""
     from ...judge.admit import admit
     from ...plan.refined_plan import RefinedPlan
     from ...problem.instance import load
@@ -67,12 +67,12 @@ def admitted_refined(
 
 
 unjudged_option = param.flag(
-    "--unjudged", "Go on with a plan that has violations; its figures are then called unjudged."
+    "--unjudged", "Accept a plan with violations; its figures are then marked as unjudged."
 )
 
 
 def say_unjudged(admitted: Admitted[Any], path: str, *, quiet: bool) -> None:
-    """Say that a plan with violations was let in."""
+    """Say that a plan with violations was accepted."""
     from .output import say
 
     if not admitted.holds:
@@ -135,7 +135,7 @@ def check_out(out: str | None, *inputs: str | None, results: Iterable[str | None
 
 
 def check_outs(results: Sequence[str | None], *inputs: str | None) -> None:
-    """As :func:`check_out`, of several results, no two of which may be one file."""
+    """Check several results as :func:`check_out` does; no two may be the same file."""
     for at, path in enumerate(results):
         check_out(path, *inputs, results=results[at + 1 :])
 

@@ -52,7 +52,7 @@ def command(
         plan.save(out)
         say(f"wrote {out}: objective {plan.objective:g}", unless=quiet)
     elif out is not None and not quiet:
-        say(f"{out} is not written: the order cannot be flown as it is")
+        say(f"{out} is not written: the order cannot be flown as given")
     if as_json:
         emit_json(priced.to_dict())
     else:
@@ -73,9 +73,9 @@ def _tell(priced: PricedOrder) -> None:
         for line in _verdict(route, several=len(priced.routes) > 1):
             emit(line)
     if priced.lacking:
-        emit(f"required, and in no order: {', '.join(priced.lacking)}")
+        emit(f"required, but in no order: {', '.join(priced.lacking)}")
     for chaser in priced.unended:
-        emit(f"{chaser}: the order ends where its mission may not")
+        emit(f"{chaser}: the order ends where its mission may not end")
     delta_v = sum(leg.spent_m_s for route in priced.routes for leg in route.legs)
     end_s = max((leg.done_s for route in priced.routes for leg in route.legs), default=0.0)
     emit(f"prize {priced.objective:g}, ΔV {delta_v:.1f} m/s, done {clock(end_s)}")
@@ -98,12 +98,12 @@ def _verdict(route: PricedRoute, *, several: bool) -> Iterator[str]:
     best = {remedy.kind: remedy for remedy in reversed(route.remedies)}
     told = [remedy for remedy in route.remedies if best[remedy.kind] is remedy]
     lines = [*_lacking(route.missing), *map(_told, told)]
-    yield from (f"{whose}would do: {line}" for line in lines)
+    yield from (f"{whose}would suffice: {line}" for line in lines)
     more = len(route.remedies) - len(told)
     if more > 0:
         yield f"{whose}and {counted(more, 'other single change')}; --json lists all"
     if not lines:
-        yield f"{whose}no larger tank, no more time and no single change would do"
+        yield f"{whose}no larger tank, longer mission or single change would suffice"
 
 
 def _lacking(missing: Shortfall) -> Iterator[str]:

@@ -30,7 +30,7 @@ FREEDOMS = ("free", "planned")
 gravity_option = click.option(
     "--gravity",
     type=click.Choice(GRAVITIES),
-    help="Gravity field, with zonal harmonics up to this one; by default that of INSTANCE.",
+    help="Gravity field, by its highest zonal harmonic; by default that of INSTANCE.",
 )
 freedom_option = click.option(
     "--burns",
@@ -40,7 +40,7 @@ freedom_option = click.option(
     "free, or planned where there are keep-out zones.",
 )
 ephemerides_option = param.flag(
-    "--ephemerides", "Refine legs onto the states that the ephemerides beside INSTANCE report."
+    "--ephemerides", "Refine legs onto the states of the ephemerides beside INSTANCE."
 )
 
 
@@ -176,7 +176,7 @@ def _told(refined: RefinedPlan, out: str) -> dict[str, object]:
 
 
 def _told_onto(refined: RefinedPlan) -> dict[str, object]:
-    """What is told of ephemerides."""
+    """Figures of a refinement onto ephemerides, as plain data."""
     if refined.ephemerides is None:
         return {}
     return {
@@ -224,7 +224,7 @@ class Refining(NamedTuple):
         check_out(self.refined_out, instance_path, *self.screen, results=(out,))
 
     def unsafe(self, instance: Instance) -> dict[str, Any]:
-        """What is avoided, as an argument of :func:`.solve_refined`; nothing by default."""
+        """Conjunctions to avoid, as an argument of :func:`.solve_refined`; none by default."""
         if not self.screen:
             return {}
         from ...analysis.screening import avoiding, read_errors
@@ -250,9 +250,13 @@ refine_options = param.together(
     param.many(
         "--screen", "FILE", "Catalogue whose objects the refined plan avoids; repeatable.", "screen"
     ),
-    param.number("--avoid", "M", "Miss up to which they are avoided; default 1000.", "avoid_m"),
-    param.number("--avoid-probability", "P", "Probability of collision from which they are."),
-    param.file("--errors", "CSV file of covariances and radii, for that.", "errors_path"),
+    param.number(
+        "--avoid", "M", "Miss distance up to which objects are avoided; default 1000.", "avoid_m"
+    ),
+    param.number(
+        "--avoid-probability", "P", "Probability of collision above which objects are avoided."
+    ),
+    param.file("--errors", "CSV file of covariances and radii, for --probability.", "errors_path"),
 )
 """The options of refining, for ``solve``."""
 
@@ -332,7 +336,7 @@ def _holding_told(refined: RefinedPlan | None) -> str:
 
 
 def _told_holding(refined: RefinedPlan | None) -> dict[str, float]:
-    """The same as plain data."""
+    """Estimated ΔV of holding, as plain data."""
     if refined is None or refined.ephemerides is None:
         return {}
     return {"holding_delta_v_m_s": refined.holding_m_s}

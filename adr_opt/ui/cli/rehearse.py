@@ -1,4 +1,4 @@
-"""``rehearse``: fly a mission many times in drawn worlds, by a policy."""
+"""``rehearse``: fly a mission many times in random worlds, by a policy."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
 """Options of many rehearsals, by the names of their parameters."""
 
 
-@click.command("rehearse", short_help="Fly a mission many times as it may happen.")
+@click.command("rehearse", short_help="Fly a mission many times under uncertainty.")
 @param.instance
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
 @param.file("--uncertainty", "Uncertainty file.", name="uncertainty_path", required=True)
@@ -41,8 +41,8 @@ NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
     show_default=True,
 )
 @param.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the first world.")
-@param.count("--bounds", "N", "Number of worlds in which every policy is bounded; 0.", default=0)
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the first world.")
+@param.count("--bounds", "N", "Number of worlds with a bound on every policy; 0.", default=0)
 @param.word(
     "--bound-method",
     "NAME",
@@ -85,7 +85,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Fly INSTANCE many times in drawn worlds, beginning with PLAN.
+    """Fly INSTANCE many times in random worlds, starting with PLAN.
 
     Legs cost more or less, services take longer, captures fail, launches slip. The policy decides
     whenever a chaser is free. Without PLAN a policy that plans makes one. Exit status 1: no

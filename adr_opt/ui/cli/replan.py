@@ -38,7 +38,7 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 )
 @param.file("--zones", "JSON list of new keep-out zones.", name="zones_path")
 @param.many("--lost", "NAME[,NAME...]", "Target that no longer exists.")
-@param.count("--failed", "LEG", "Number of a leg that does not begin as planned.")
+@param.count("--failed", "LEG", "Number of a leg that fails to begin as planned.")
 @param.many("--missed", "NAME[,NAME...]", "Target reached but not serviced.")
 @param.flag("--retry", "Allow missed targets to be tried again.")
 @param.many(
@@ -47,12 +47,12 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
     "Actual duration of a service or an attempt; also 36h, 900s.",
     name="services",
 )
-@param.many("--cost", "LEG=M_S", "The ΔV that a leg took.", name="costs")
-@param.count("--keep", "N", "Legs more that stay as planned; 0.", default=0)
+@param.many("--cost", "LEG=M_S", "Actual ΔV of a leg.", name="costs")
+@param.count("--keep", "N", "Number of further legs that stay as planned; 0.", default=0)
 @param.word(
     "--method",
     "NAME",
-    "Planner of the rest; else a beam, of several auto.",
+    "Planner of the rest; by default a beam, for several chasers auto.",
     shell_complete=complete.planners,
 )
 @param.number("--time-limit", "S", "Wall time of a run; 2 s.")
@@ -97,7 +97,7 @@ def command(
     check_out(out, instance_path, plan_path, zones_path)
     check_out(out_instance, instance_path, plan_path, zones_path)
     if out is not None and out_instance is not None and is_same_file(out, out_instance):
-        raise InputError(f"{out}: named for the plan and for the instance; give each its own")
+        raise InputError(f"{out}: given for both the plan and the instance; give each its own file")
     known, names = BodyNames(instance), set(instance.names)
 
     def named(texts: tuple[str, ...], option: str) -> list[str]:

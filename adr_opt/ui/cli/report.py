@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @param.file("--out", "HTML file to write.", required=True)
 @param.file(
     "--refined",
-    "PLAN as refined by 'refine': flown ΔV is shown beside planned ΔV.",
+    "Refined version of PLAN; flown ΔV is shown beside planned ΔV.",
     name="refined_path",
 )
 @param.flag(

@@ -20,17 +20,19 @@ if TYPE_CHECKING:
     from ...analysis.scenario.settings import AltitudeShells
 
 ROWS = 11
-"""Maximum number of years in the table that is printed."""
+"""Maximum number of years in the printed table."""
 
 
 @click.command("scenario", short_help="Decades of campaigns, with removals and without.")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
-@param.file("--campaign", "Instance of a campaign, repeated on what is there.", "campaign_path")
+@param.file(
+    "--campaign", "Instance of a campaign, repeated on the objects then in orbit.", "campaign_path"
+)
 @click.option("--years", type=int, default=30, show_default=True, help="Years, at most 200.")
 @param.count(
     "--every", "YEARS", "Years from one campaign to the next.", default=1, show_default=True
 )
-@param.count("--targets", "N", "Objects offered to each.", default=20, show_default=True)
+@param.count("--targets", "N", "Objects offered to each campaign.", default=20, show_default=True)
 @param.word("--altitude", "LO:HI", "Mean altitudes of targets [km].")
 @param.word("--inclination", "LO:HI", "Inclinations of targets [deg].")
 @param.number(
@@ -39,8 +41,8 @@ ROWS = 11
 @param.number("--campaign-failure", "P", "Chance that a campaign is lost at launch.", default=0.0)
 @param.number("--capture-failure", "P", "Chance that a capture fails.", default=0.0)
 @param.number("--explosions", "P", "Chance of each intact object to explode, a year.", default=0.0)
-@param.flag("--no-collisions", "Draw no collisions; tell their rates only.")
-@param.flag("--no-drag", "Nothing comes down.")
+@param.flag("--no-collisions", "Draw no collisions; report their rates only.")
+@param.flag("--no-drag", "No drag: no object re-enters.")
 @param.file("--launches", "CSV of objects launched later; see docs/scenarios.md.", "launches_path")
 @param.count("--seeds", "N", "Number of futures drawn.", default=1, show_default=True)
 @param.satcat
@@ -96,7 +98,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Draw the future of the objects in FILE... with repeated campaigns, and without.
+    """Draw the future of the objects in FILE..., with repeated campaigns and without.
 
     Each campaign is planned on what is there that year: decayed, broken up, launched, not yet
     removed. Both futures share their draws. With --folder a run that ended early goes on.
@@ -168,14 +170,14 @@ def command(
 
 
 def _range(text: str | None, option: str, most: float) -> tuple[float, float] | None:
-    """Two numbers given as ``LO:HI``, within 0 and the most that makes sense."""
+    """Two numbers given as ``LO:HI``, between 0 and a plausible maximum."""
     from ...sources.catalogue.filters import parse_range
 
     if text is None:
         return None
     low, high = parse_range(text, option)
     if low > high:
-        raise InputError(f"{option} {text!r}: nothing is between them; give the lower one first")
+        raise InputError(f"{option} {text!r}: the range is empty; give the lower number first")
     return max(low, 0.0), min(high, most)
 
 
@@ -241,8 +243,8 @@ def _tell(told: dict[str, Any], quiet: bool) -> None:
         )
     if told["removed_outside_shells"]:
         say(
-            f"{counted(told['removed_outside_shells'], 'removal')} outside all shells, in no row "
-            "of --removals",
+            f"{counted(told['removed_outside_shells'], 'removal')} outside all shells, not in any "
+            "row of --removals",
             unless=quiet,
         )
 

@@ -17,7 +17,7 @@ from .output import emit_json, emit_rich, say, say_written
 from .parameters import admitted_refined, check_outs
 
 SHOWN = 20
-"""Number of approaches in the table that is printed."""
+"""Number of approaches in the printed table."""
 
 
 @click.command("screen", short_help="Approaches of catalogued objects to a refined plan.")
@@ -27,7 +27,7 @@ SHOWN = 20
 @param.number(
     "--distance",
     "M",
-    "Least distances up to this are reported.",
+    "Largest distance of a reported approach.",
     "distance_m",
     default=5000.0,
     show_default=True,
@@ -37,8 +37,8 @@ SHOWN = 20
 @param.word(
     "--messages",
     "FOLDER",
-    "New folder, or .zip file, for a conjunction data message (CCSDS) of each approach that is no "
-    "visit.",
+    "New folder, or .zip file, for a conjunction data message (CCSDS) of each approach that is not "
+    "a visit.",
 )
 @param.file("--page", "HTML page to write.", "page_path")
 @param.skip_bad
@@ -90,7 +90,7 @@ def command(
     found_of_others = counted(len(others), "approach", "approaches")
     say(
         f"{counted(len(found.records), 'object')}: {found_of_others} within {distance_m:g} m, and "
-        f"{len(approaches) - len(others)} of bodies that are visited",
+        f"{len(approaches) - len(others)} by visited bodies",
         unless=quiet,
     )
     say_written(out, messages, page_path, quiet=quiet)
@@ -116,7 +116,7 @@ def command(
 
 
 def _check_folder(folder: str, errors: str | None) -> None:
-    """Refuse a folder that messages cannot be written to, before anything is computed."""
+    """Refuse a folder to which messages cannot be written, before anything is computed."""
     path = Path(folder)
     if errors is None:
         raise InputError("--messages needs --errors: a message states covariances")
@@ -124,7 +124,7 @@ def _check_folder(folder: str, errors: str | None) -> None:
         raise InputError(f"{folder}: exists already; name a new folder for the messages")
     parent = path.resolve().parent
     if not parent.is_dir() or not os.access(parent, os.W_OK):
-        raise InputError(f"{folder}: {parent} is no folder that can be written to")
+        raise InputError(f"{folder}: {parent} is not a writable folder")
 
 
 def _write_messages(place: str, texts: Sequence[str]) -> None:

@@ -20,7 +20,7 @@ PATIENCE_S = 60.0
 
 
 PROJECT = "adr-opt-project"
-"""Name of the project folder of a call without INSTANCE and --folder."""
+"""Default project folder without INSTANCE and --folder."""
 
 
 @click.command("serve", short_help="Plan interactively on a local web page.")
@@ -34,7 +34,7 @@ PROJECT = "adr-opt-project"
     "DIR",
     f"Project folder; INSTANCE-served, or without INSTANCE {PROJECT}, beside this call.",
 )
-@param.flag("--no-open", "Open no browser.")
+@param.flag("--no-open", "Do not open a browser.")
 @param.as_json
 @param.quiet
 def command(

@@ -10,10 +10,10 @@ from contextlib import contextmanager
 from types import FrameType, TracebackType
 
 INTERRUPTED = 128 + signal.SIGINT
-"""Exit status after Ctrl-C, as shells have it."""
+"""Exit status after Ctrl-C, the one that shells use."""
 
 AGAIN_S = 0.1
-"""Interval at which an interrupt that something has swallowed is raised again [s]."""
+"""Interval at which a swallowed interrupt is raised again [s]."""
 
 
 class Aborted(KeyboardInterrupt):
@@ -73,7 +73,7 @@ def signals_to(
 
 @contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
-    """Raise KeyboardInterrupt at the first SIGINT, again and again until it arrives.
+    """Raise KeyboardInterrupt at the first SIGINT, and repeat it until it is handled.
 
     Python prints and drops what is raised in a ``__del__`` or in a callback from C, as where a
     kernel is loaded; libraries clear it, or print it and raise something else.
@@ -110,7 +110,7 @@ def interruptible() -> Iterator[Callable[[], bool]]:
 
 
 class _Raised:
-    """The KeyboardInterrupt on its way to where it is handled, if there is one."""
+    """The pending KeyboardInterrupt, if any."""
 
     def __init__(self) -> None:
         self._error: KeyboardInterrupt | None = None
@@ -120,7 +120,7 @@ class _Raised:
         self.is_repeating = False
 
     def begin(self) -> None:
-        """Repeat what is raised from now on, until it is settled."""
+        """From now on, repeat raised interrupts until they are settled."""
         self._settled.clear()
 
     def insist_on(self, error: KeyboardInterrupt) -> None:
@@ -148,7 +148,7 @@ class _Raised:
             raise error
 
     def settle(self) -> bool:
-        """Repeat no more; returns whether there was one."""
+        """Stop repeating; returns whether an interrupt was pending."""
         was, self._error = self._error is not None, None
         self._settled.set()
         if self._thread is not None:

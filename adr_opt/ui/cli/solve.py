@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Uncertain:
-    """What is asked for with ``--uncertainty``.
+    """Request for a plan of an uncertain mission.
 
     Attributes
     ----------
@@ -49,13 +49,13 @@ class Uncertain:
 
     @property
     def asked(self) -> str:
-        """The option that asks for a plan of an uncertain mission; empty if none does."""
+        """The option that requests a plan of an uncertain mission; empty if none."""
         if self.confidence is not None:
             return "--confidence"
         return "--expected" if self.expected else ""
 
     def check(self, others: dict[str, bool]) -> None:
-        """Refuse options that do not go together.
+        """Refuse options that exclude each other.
 
         Parameters
         ----------
@@ -74,15 +74,17 @@ class Uncertain:
         both = {"--expected": self.expected and self.confidence is not None}
         for option, is_given in (both | others).items():
             if self.asked and is_given:
-                raise InputError(f"{option} does not go with {self.asked}; leave one of them out")
+                raise InputError(
+                    f"{option} cannot be combined with {self.asked}; leave one of them out"
+                )
 
 
 uncertain_options = param.together(
     param.number(
-        "--confidence", "C", "Chance with which the plan is to be kept; with --uncertainty."
+        "--confidence", "C", "Required probability that the plan holds; with --uncertainty."
     ),
     param.flag(
-        "--expected", "Plan for what is collected on average when followed; with --uncertainty."
+        "--expected", "Maximise the mean prize when the plan is followed; with --uncertainty."
     ),
     param.file("--uncertainty", "Uncertainty file.", name="uncertainty_path"),
 )
@@ -197,7 +199,7 @@ def command(
     if bound_name is not None:
         front.method_of(bound_name, BOUNDS)
     if repair and start_path is None:
-        raise InputError("--repair mends a start plan, but none is given; give one with --start")
+        raise InputError("--repair needs a start plan, but none is given; give one with --start")
     for name, value in (("policy", policy), ("decode", decode)):
         if value is not None:
             assignments = (*assignments, f"{name}={value}")
@@ -295,7 +297,7 @@ def command(
         if plan.flown is not None and is_kept:
             lacking = _first_trouble(partial(_save_plan, plan, out, quiet=True))
             if lacking is not None and not quiet:
-                say(f"the plan is written, but not what its flight came to: {lacking}")
+                say(f"the plan is written, but without the outcome of its flight: {lacking}")
         if not as_json:
             emit(flight_line(flight))
     if (as_json and looped is None) or (not_written is not None and not is_kept):

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def check_picture(path: str | None) -> None:
-    """Refuse a picture, if one is wanted, that cannot be drawn before long work begins.
+    """Before long work begins, refuse a requested picture that cannot be drawn.
 
     Raises
     ------
@@ -29,7 +29,9 @@ def check_picture(path: str | None) -> None:
     if path is None:
         return
     if not path.lower().endswith((".svg", ".png", ".pdf")):
-        raise InputError(f"{path}: the picture is SVG, PNG or PDF; give a file that ends so")
+        raise InputError(
+            f"{path}: pictures are SVG, PNG or PDF; give a file with one of these suffixes"
+        )
     try:
         import matplotlib  # noqa: F401
     except ImportError:
@@ -77,7 +79,7 @@ def check_folder(folder: str, instance: str) -> None:
 
 
 def cleared(folder: str) -> Path:
-    """A folder without what an earlier call has written there, made if it is absent."""
+    """Prepare a folder: create it, or remove files of an earlier call."""
     path = Path(folder)
     path.mkdir(exist_ok=True)
     for old in path.iterdir():

@@ -125,7 +125,7 @@ def _takes(instance: Instance, flown: Flown) -> str:
     carried = carried_kg(instance, flown.chaser, flown.spent)
     if carried is None:
         return expense
-    return f"{expense} with {carried:.1f} kg aboard, the least that its route can be flown with"
+    return f"{expense} with {carried:.1f} kg aboard, the least with which its route can be flown"
 
 
 def left_out(plan: Plan) -> Iterator[str]:

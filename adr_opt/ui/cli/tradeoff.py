@@ -196,7 +196,7 @@ def _rows_of(out: str) -> str:
     rows = path.with_suffix(".jsonl")
     if path.exists() and not rows.exists():
         raise InputError(
-            f"{out}: is there without {rows}, from which to go on, as tables of adr-opt 1.0 are; "
+            f"{out}: exists without {rows}, so it cannot be resumed, like tables of adr-opt 1.0; "
             "name another file"
         )
     return str(rows)

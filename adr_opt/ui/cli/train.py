@@ -156,7 +156,7 @@ def command(
                 report=report,
             )
     if stopped.is_set() and not quiet:
-        say(f"interrupted: {out} holds a checkpoint; the same command goes on from it")
+        say(f"interrupted: {out} holds a checkpoint; the same command resumes from it")
     if as_json:
         emit_json({"out": out, "config": config, "seed": seed, "held": last})
     return INTERRUPTED if stopped.is_set() else 0

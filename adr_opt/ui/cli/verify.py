@@ -13,7 +13,7 @@ from .output import emit, emit_json
 from .parameters import about, check_out
 
 MOST_CONNECTIONS = 1_000_000
-"""As in :mod:`adr_opt.judge.verify`, which takes long to import."""
+"""Default of :mod:`adr_opt.judge.verify`, repeated as that module takes long to import."""
 
 
 TOLD = (
@@ -95,7 +95,7 @@ def command(
         emit_json({"instance": instance.name, **told})
         return 0 if verdict.verified else 1
     if verdict.upper_bound == -math.inf:
-        proven = "no plan keeps to all rules"
+        proven = "no plan keeps all rules"
     elif math.isfinite(verdict.upper_bound):
         proven = f"no plan collects more than {verdict.upper_bound:.15g}"
     else:
@@ -110,7 +110,7 @@ def command(
             f"searched at {counted(verdict.departures, 'departure')}"
         )
     if plan is None and certificate.plan_sha256 is not None:
-        emit("  unjudged: the plan that it says it was written beside, which is not given")
+        emit("  unjudged: the plan to which it belongs, which is not given")
     if verdict.verified and plan is not None:
         if verdict.gap is not None:
             emit(f"  the plan collects {plan.objective:.15g}: {_judged(verdict.gap)}")

@@ -19,9 +19,9 @@ ENVIRONMENT = "environment"
 """Name for the kernels of the environment and its policies."""
 
 
-@click.command("warm-up", short_help="Compile what methods need, once and for all runs.")
+@click.command("warm-up", short_help="Compile the kernels of methods once for all runs.")
 @click.argument("methods", nargs=-1, metavar="[METHOD]...", shell_complete=complete.methods)
-@param.count("--jobs", "N", "Processes side by side; one for each core.")
+@param.count("--jobs", "N", "Number of processes; one for each core.")
 @param.as_json
 @param.quiet
 def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bool) -> int:
@@ -43,7 +43,7 @@ def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bo
         raise InputError(f"--jobs {jobs}: must be ≥ 1")
     wanted = list(dict.fromkeys(methods or known))
     say(
-        f"compiling for {', '.join(wanted)}; what is compiled already is not compiled again",
+        f"compiling for {', '.join(wanted)}; kernels that are compiled already are skipped",
         unless=quiet,
     )
     rows = compile_for(wanted, jobs or usable_cores())
@@ -131,7 +131,7 @@ def _compile_all(methods: list[str], jobs: int) -> list[dict[str, Any]]:
 
 
 def _is_for(kind: PracticeKind, spec: MethodSpec) -> bool:
-    """Whether a method is for missions of a kind, and takes a start where there is one."""
+    """Whether a method serves a kind of mission, and takes a start plan if the kind has one."""
     from ...problem.support import follows_all
 
     return (

@@ -1,4 +1,4 @@
-"""``windows``: when targets may be captured, by light, the Sun's angle and ground contacts."""
+"""``windows``: capture windows of targets, from sunlight, the Sun's angle and ground contacts."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from ...problem.instance import Instance
 
 
-@click.command("windows", short_help="When targets may be captured: light, Sun, contacts.")
+@click.command("windows", short_help="Capture windows of targets: light, Sun, contacts.")
 @param.instance
-@param.flag("--light", "The Sun's whole disc is above the Earth.")
+@param.flag("--light", "Capture only in full sunlight.")
 @param.number(
     "--sun-angle",
     "DEG",
@@ -40,14 +40,20 @@ if TYPE_CHECKING:
 @param.number(
     "--mask", "DEG", "Least elevation of a contact.", "mask_deg", default=5.0, show_default=True
 )
-@param.many("--within", "FILE", "CSV file of windows of other causes; repeatable.")
+@param.many("--within", "FILE", "CSV file of other windows to intersect with; repeatable.")
+@param.number("--margin", "S", "Margin cut off both ends of windows.", "margin_s", default=0.0)
 @param.number(
-    "--margin", "S", "By which windows begin later and end sooner.", "margin_s", default=0.0
+    "--capture",
+    "S",
+    "Duration of a capture, which must fit into a window.",
+    "capture_s",
+    default=0.0,
 )
-@param.number("--capture", "S", "Time that has to fit into a window.", "capture_s", default=0.0)
-@param.flag("--ephemerides", "Go by the ephemerides beside INSTANCE.")
+@param.flag("--ephemerides", "Use the ephemerides beside INSTANCE.")
 @param.file("--out", "CSV file of windows to write: target,opens_s,closes_s.")
-@param.file("--into", "Instance to write that has these windows, in the file of --out beside it.")
+@param.file(
+    "--into", "Instance to write with these windows, which are in the file of --out beside it."
+)
 @param.as_json
 @param.quiet
 def command(
@@ -120,14 +126,14 @@ def command(
 
 
 def _figures(intervals: Array, instance: Instance) -> dict[str, float]:
-    """Number of windows, the share of the mission that they are, and the longest."""
+    """Number of windows, their share of the mission, and the longest."""
     lengths = intervals[:, 1] - intervals[:, 0]
     share = float(lengths.sum()) / max(instance.mission.duration_s, 1e-300)
     return {"windows": len(intervals), "share": share, "longest_s": float(lengths.max(initial=0.0))}
 
 
 def _reported(instance: Instance) -> States:
-    """Motion of targets as the ephemerides beside an instance report it."""
+    """Motion of targets by the ephemerides beside an instance."""
     from ...sources.ephemerides import ephemerides_of
 
     known = ephemerides_of(instance)

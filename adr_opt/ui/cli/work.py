@@ -50,7 +50,7 @@ class Watch:
 
 
 class _Begun(threading.Thread, Generic[Found]):
-    """What is done in a thread, which the process does not wait for at its end."""
+    """Work in a daemon thread, which does not keep the process from ending."""
 
     def __init__(self, task: Callable[[], Found]) -> None:
         super().__init__(name="work", daemon=True)
@@ -67,7 +67,7 @@ class _Begun(threading.Thread, Generic[Found]):
             self.done.set()
 
     def result(self) -> Found:
-        """What came of it, or the error that it ended with."""
+        """The result of the work; raises the error that ended it."""
         if self._error is not None:
             raise self._error
         return self._found[0]
@@ -122,7 +122,7 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
 
 
 def attend(task: Callable[[], Found], what: str, *, live: bool) -> Found:
-    """Do in a thread what writes nothing, so that Ctrl-C does not wait for kernels.
+    """Run work that writes nothing in a thread, so that Ctrl-C need not wait for kernels.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""``worth``: what removing each object of a catalogue is worth, in fragment-years."""
+"""``worth``: worth of removing each object of a catalogue, in fragment-years."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 )
 @param.count("--falling", "N", "Let prizes fall yearly for N years, after which they are 0.")
 @param.number("--unit", "U", "Unit of prizes [fragment-years]; by default a power of ten.")
-@param.file("--details", "CSV file to write with all that is known of the candidates.", "details")
+@param.file("--details", "CSV file to write with all data on the candidates.", "details")
 @param.file("--pairs", "JSON file of worths alone and of pairs, for 'tradeoff --worth'.", "pairs")
 @param.file("--page", "HTML file to write.", name="page_path")
 @param.exclude
@@ -211,6 +211,6 @@ def measured_bodies(
             f"note: {sum(defaults.values())} of {counted(len(bodies), 'mass', 'masses')} are "
             "defaults: "
             + ", ".join(f"{what} {count}" for what, count in defaults.items())
-            + "; --satcat or --table knows them better"
+            + "; give better ones with --satcat or --table"
         )
     return bodies, notes

@@ -1,4 +1,4 @@
-"""ΔV and masses: what is left against time, and the cost of each leg."""
+"""ΔV and masses: remainders against time, and the cost of each leg."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ MENDED = COLOURS["approach"]
 
 
 def has_burns(plan: Plan) -> bool:
-    """Whether burns of a plan can be set against its costs: it has some, or no leg at all."""
+    """Whether a plan's burns can be compared with its costs: it has burns, or no legs."""
     kinds = {leg.kind for leg in plan.legs}
     without = {GIVEN.name, LOW_THRUST.name} & kinds
     return not without or any(leg.impulses for leg in plan.legs)

@@ -98,7 +98,7 @@ Values = Sequence[float] | npt.NDArray[np.float64]
 
 
 class Link(NamedTuple):
-    """Where a point leads on a page, and its hover text."""
+    """Target of a point's link on a page, and its hover text."""
 
     href: str
     title: str
@@ -178,14 +178,14 @@ class Marks(Series):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bars(Series):
-    """Bars along rows: from ``x``, of a length, in the rows ``y``, of which they fill a share."""
+    """Horizontal bars from ``x``, of some length, in rows ``y``, of which they fill a share."""
 
     lengths: Values
     share: float = 0.72
 
     @property
     def pattern(self) -> str:
-        """What they are hatched with."""
+        """Hatching of the bars."""
         return PHASES[self.phase].pattern if self.phase in PHASES else ""
 
 

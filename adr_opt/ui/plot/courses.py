@@ -91,7 +91,7 @@ def _check_three(ax: Any) -> None:
 
 
 def drawn_in_space(ax: Any, lines: Iterable[Line]) -> Any:
-    """Add lines to an axis, which must be one in space.
+    """Add lines to an axis, which must be three-dimensional.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def drawn_in_space(ax: Any, lines: Iterable[Line]) -> Any:
 
 
 def arcs_of(instance: Instance, plan: Plan) -> tuple[DrawnArc, ...]:
-    """A plan ready to be drawn: flown, or with low thrust read off its arcs.
+    """A plan ready to be drawn: flown or, with low thrust, from its arcs.
 
     Raises
     ------

@@ -122,7 +122,7 @@ WINDOWS, WINDOW_COLOUR, WINDOW_SHARE = "may be captured", "#e9d9a0", 0.96
 
 
 def window_bars(instance: Instance, plan: Plan, row_of: Callable[[int], int]) -> Iterator[Bars]:
-    """Windows of targets, as far as they are open from the beginning of a leg to its end."""
+    """Windows of targets, clipped to the duration of their leg."""
     limited = {
         target.name: instance.intervals_of(target)
         for target in instance.targets

@@ -137,7 +137,7 @@ TURN_DEG = 360.0
 
 @dataclass(frozen=True)
 class Nodes:
-    """RAANs relative to the bodies' common drift, without which all lines would be steep.
+    """RAANs relative to the bodies' common drift, which would make all lines steep.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Parts of chasers' courses, ready to be drawn: flown, thinned out, and joined to lines."""
+"""Parts of chasers' courses for drawing: flown, thinned out, and joined to lines."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def tradeoff_chart(made: Tradeoff, kind: str) -> Chart:
-    """Prizes of the best plans against a limit, with bands up to the bounds, or to all prizes.
+    """Prizes of the best plans against a limit, with bands up to the bounds or the sum of prizes.
 
     There is a line for each combination of the values of the other axes.
     """
@@ -81,7 +81,7 @@ def anchor(at: int) -> str:
 
 
 def approaches_chart(found: Sequence[CloseApproach]) -> Chart:
-    """Misses of approaches against time; those of bodies that are visited are open circles."""
+    """Misses of approaches against time; visited bodies have open circles."""
     series = []
     for name, own, symbol in (("objects", False, "circle"), ("visited", True, "circle-open")):
         there = [each for each in found if each.own == own]
@@ -92,7 +92,7 @@ def approaches_chart(found: Sequence[CloseApproach]) -> Chart:
 
 
 def approaches(ax: Any, found: Sequence[CloseApproach]) -> Any:
-    """Add misses of approaches against time; those of bodies that are visited are open circles.
+    """Add misses of approaches against time; visited bodies have open circles.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def scenario_chart(told: Mapping[str, Any], name: str, title: str) -> Chart | None:
-    """A number of each year in both cases, with a band of one standard error; None if it is 0.
+    """A count of each year in both cases, with a band of one standard error; None if always 0.
 
     Parameters
     ----------
@@ -232,14 +232,14 @@ MOST_BINS = 24
 
 
 def visits_spread(made: Rehearsals) -> Chart:
-    """How many rehearsals end with each number of visits, and the number planned."""
+    """Histogram of visits over rehearsals, and the planned number."""
     found = [len(each.course) for each in made.outcomes]
     planned = len(set(made.plan.destinations) - set(made.instance.station_names))
     return _spread(found, planned, np.arange(min(found), max(found) + 2) - 0.5, "visits")
 
 
 def delta_v_spread(made: Rehearsals) -> Chart:
-    """How many rehearsals take each ΔV, and what is planned."""
+    """Histogram of ΔV over rehearsals, and the planned ΔV."""
     found = [each.delta_v_m_s for each in made.outcomes]
     edges = np.histogram_bin_edges(found, MOST_BINS)
     return _spread(found, made.plan.delta_v_m_s, edges, "ΔV of all legs [m/s]")
@@ -290,7 +290,7 @@ def _fan(
 def _at(
     course: Sequence[tuple[float, float]], times: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.float64]:
-    """A course of steps at some times; 0 before its first."""
+    """Values of a step function at some times; 0 before its first step."""
     if not course:
         return np.zeros(times.size)
     whens, values = np.array(course, dtype=np.float64).T

@@ -1,4 +1,4 @@
-"""Courses of chasers with low thrust, as the arcs of their legs and the spirals of tows say.
+"""Courses of chasers with low thrust, from the arcs of their legs and the spirals of tows.
 
 Legs of low thrust have no burns. Along an arc of thrust speed and inclination change uniformly
 (docs/model.md section 11), and the node by what is thrust and by what drifts meanwhile. Where one
@@ -31,8 +31,8 @@ PIECES = 12
 POINTS_OF_A_WINDOW = 16
 
 DRAWN_AROUND = {"thrust": PIECES // 3, "tow": PIECES // 2, "drift": 1}
-"""Which of the pieces of a phase are drawn around the Earth: every one of so many. The others would
-hide each other, and phases at a body are points."""
+"""Stride of the pieces of a phase that are drawn around the Earth; all pieces would hide each
+other, and phases at a body are points."""
 
 
 class Circles(NamedTuple):
@@ -91,7 +91,7 @@ def _of_chaser(
     for number, leg in flown.legs:
         for name in (leg.origin, leg.destination):
             if name not in instance.names:
-                raise InputError(f"leg {number}: {name!r} is no body of the instance")
+                raise InputError(f"leg {number}: {name!r} is not a body of the instance")
         # A chaser that is launched has no orbit before, and no phase that would ask for it.
         origin = leaving[instance.names.index(leg.origin)]
         destination = there[instance.names.index(leg.destination)]
@@ -117,12 +117,12 @@ class _Course:
         self._origin, self._destination = origin, destination
 
     def drawn(self, segment: Segment, number: int) -> Iterator[SpiralArc]:
-        """What is drawn of one phase; thrust and tows in pieces, all else in one."""
+        """Pieces of a phase to draw: several for thrust and tows, one for all others."""
         changes = segment.phase in ("thrust", "tow")
         times = np.linspace(segment.start_s, segment.end_s, 1 + (PIECES if changes else 1))
         orbits = self._orbits(segment, times)
         if not np.all(np.isfinite(orbits.speeds) & (orbits.speeds > 0.0)):
-            raise InputError(f"leg {number}: its arcs lead to no orbit")
+            raise InputError(f"leg {number}: its arcs do not lead to a closed orbit")
         body = self._body(segment)
         for at in range(times.size - 1):
             ends = slice(at, at + 2)
@@ -165,7 +165,7 @@ class _Course:
         return first if segment.start_s < second.start_s else second
 
     def _arcs(self) -> tuple[LowThrustArc, LowThrustArc]:
-        """Both arcs, without which there is no phase of thrust."""
+        """Both arcs of a leg with thrust."""
         first, second = self._leg.manoeuvres or ()
         return first, second
 
@@ -212,7 +212,7 @@ class _Course:
         return Circles(speeds, tilts, start.nodes[0] + self._drifted(speeds, tilts, times))
 
     def _drifted(self, speeds: Array, tilts: Array, times: Array) -> Array:
-        """How far the node drifts from the first of the times on, by the trapezoidal rule [rad]."""
+        """Drift of the node since the first of some times, by the trapezoidal rule [rad]."""
         oblateness = self._instance.oblateness_m2
         rates = np.array(
             [

@@ -73,7 +73,7 @@ def stays(instance: Instance, plan: Plan) -> tuple[Stay, ...]:
 
 
 def traffic_chart(instance: Instance, plan: Plan) -> Chart:
-    """Refuellings so far against days, a line for each station that has some."""
+    """Cumulative refuellings against days, a line for each station with any."""
     lines, every = [], stays(instance, plan)
     for name, colour in zip(instance.station_names, cycle(CHASERS), strict=False):
         ends_s = sorted(

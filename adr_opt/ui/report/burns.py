@@ -64,7 +64,7 @@ class ReportedBurn:
 
     @property
     def size_m_s(self) -> float:
-        """Its ΔV [m/s]."""
+        """ΔV of the burn [m/s]."""
         return math.hypot(*self.delta_v_m_s)
 
 

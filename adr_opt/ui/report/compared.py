@@ -35,7 +35,7 @@ def compared_page(comparison: Comparison) -> str:
         section("Side by side", "", _sides(comparison)),
         section(
             "Visits against time",
-            "Targets whose service is over.",
+            "Serviced targets.",
             drawn(visits, "Visits of each plan against time"),
         ),
     ]

@@ -23,9 +23,9 @@ from .text import NOTHING, escape, fixed, number
 CAPTION = "Avoided against euros"
 
 NOTE = (
-    "A dot for each design: what its plan avoids, as a set, against what the plan costs; it leads "
-    "to the plan. The line joins the designs that no other one beats in both. The ring above a dot "
-    "is what no plan of that design can exceed."
+    "A dot for each design: the worth that its plan avoids, as a set, against the plan's cost; it "
+    "links to the plan. The line joins the designs that no other dominates. The ring above a dot "
+    "is the bound on all plans of that design."
 )
 
 THREE = (
@@ -74,11 +74,11 @@ def designs_page(study: DesignStudy, links: Links | None = None) -> str:
 
 
 Tell = Callable[[int, DesignPoint], str]
-"""What stands in a column, of the place of a design and its point."""
+"""Function that writes a cell, from the place of a design and its point."""
 
 
 def design_columns(study: DesignStudy) -> dict[str, Tell]:
-    """Columns of a table of designs: what is varied, and results, as texts."""
+    """Columns of a table of designs: varied limits and results, as texts."""
 
     def _varied(at_axis: int) -> Tell:
         return lambda at, point: shown(*point.design.values[at_axis])

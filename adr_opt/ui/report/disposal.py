@@ -1,4 +1,4 @@
-"""The page of ``dispose``: one that a licence office can read."""
+"""The page of ``dispose``, for licensing authorities."""
 
 from __future__ import annotations
 

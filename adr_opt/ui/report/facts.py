@@ -120,7 +120,7 @@ def _said(admitted: Admitted[Plan], refined: RefinedPlan | None) -> tuple[str, b
         return f"Refined in the field {refined.gravity}: {legs}, as told below", True
     known = admitted.plan.own_flight
     if known is not None and known.how == "refined":
-        return f"The plan states, and nobody has judged, that {known}", known.holds
+        return f"The plan states, but this page has not judged, that {known}", known.holds
     try:
         flight = fly_mean(admitted.instance, admitted)
     except InputError as error:

@@ -68,8 +68,8 @@ def complaints(
 def _of_plan(flight: Flight, *, is_refined: bool) -> str:
     said = (
         f"The burns of the plan, flown in {MOTIONS[flight.dynamics]} by a program that shares no "
-        "state with the planner. The miss is that at the stand-off, and with it the speed relative "
-        "to it; at the arrival what the linear equations of the approach leave."
+        "state with the planner. Miss and relative speed are those at the stand-off; at the "
+        "arrival, the residual of the approach's linear equations is left."
     )
     columns: list[Column | bool] = [
         ("leg", "n", lambda leg: str(leg.leg)),

@@ -1,4 +1,4 @@
-"""Data that move chasers and bodies on the page: their orbits in place of positions.
+"""Data for the motion of chasers and bodies on the page: orbits in place of positions.
 
 Whatever time the reader asks for, the script of the page has the state of the closed form that the
 plan was made with, and a mission of two years takes no more room than one of a day.
@@ -59,7 +59,7 @@ def spirals(arcs: Iterable[SpiralArc], latitude: float | None) -> list[list[Any]
 
 
 def turned_rad(arc: SpiralArc) -> float:
-    """How far the argument of latitude moves on circles along an arc: the integral of v³/μ."""
+    """Change of the argument of latitude on circles along an arc: the integral of v³/μ [rad]."""
     first, last = arc.speeds_m_s
     cubes = last**3 + last**2 * first + last * first**2 + first**3
     return float(_duration_s(arc) * cubes / (4.0 * MU_M3_S2))
@@ -97,7 +97,7 @@ def _line(arc: SpiralArc, latitude: float | None, extra_rad_s: float) -> tuple[f
 
 
 def _leaves(arc: SpiralArc, latitude: float) -> bool:
-    """Whether a chaser waits where a tow has left it, which is at no body."""
+    """Whether a chaser waits where a tow has left it, away from any body."""
     if arc.phase != "wait" or arc.latitudes_rad is None:
         return False
     return abs(_away(float(arc.latitudes_rad[0]), latitude)) > SAME_RAD

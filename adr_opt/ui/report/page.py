@@ -138,7 +138,7 @@ def page(
 
 
 class _Found(NamedTuple):
-    """Findings about a plan beyond its own statements."""
+    """Findings about a plan beyond its own claims."""
 
     admitted: Admitted[Plan]
     flight: Flight | str | None

@@ -15,7 +15,7 @@ from .text import escape
 
 
 def check_page(path: str | os.PathLike[str] | None) -> None:
-    """Raise :class:`InputError` in advance if a page is wanted and could not be written there."""
+    """Raise :class:`InputError` in advance if a requested page could not be written."""
     if path is None:
         return
     check_writable(path)
@@ -73,8 +73,8 @@ def page(over: str, title: str, under: str, sections: Iterable[str]) -> str:
         f"<style>{style}</style>\n</head>\n<body>\n<main>\n<header>\n"
         f'<p class="over">{escape(over)}</p>\n<h1>{escape(title)}</h1>\n'
         f'<p class="under">{escape(under)}</p>\n</header>\n{"".join(sections)}\n'
-        f"<footer>Made by adr-opt {__version__}; this page asks the network for nothing.</footer>\n"
-        "</main>\n</body>\n</html>\n"
+        f"<footer>Made by adr-opt {__version__}; this page loads nothing from the "
+        "network.</footer>\n</main>\n</body>\n</html>\n"
     )
 
 

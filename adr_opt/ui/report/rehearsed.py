@@ -22,11 +22,11 @@ REASONS = {
     "gone": "the target was gone",
     "dry": "a tank ran dry",
     "late": "a service did not end in time",
-    "delta-v": "the next leg could not be paid",
+    "delta-v": "the next leg could not be afforded",
     "duration": "there was no connection in time",
-    "capacity": "no kit was left, or the maximum of targets was reached",
+    "capacity": "no kit was left, or the maximum number of targets was reached",
     "left-out": "the policy left it out",
-    "rules": "the policy chose a leg that no plan may have",
+    "rules": "the policy chose an illegal leg",
 }
 """Reasons of losses, in words."""
 
@@ -72,7 +72,7 @@ def rehearsed_page(made: Rehearsals, told: Mapping[str, Any]) -> str:
 
 
 def _spreads(made: Rehearsals) -> str:
-    """Charts of what differs between rehearsals."""
+    """Charts of the spread between rehearsals."""
     charts: dict[str, tuple[Chart, set[Any]]] = {
         "Visits": (visits_spread(made), {len(each.course) for each in made.outcomes}),
         "ΔV": (delta_v_spread(made), {each.delta_v_m_s for each in made.outcomes}),

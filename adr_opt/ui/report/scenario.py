@@ -1,4 +1,4 @@
-"""The page of ``scenario``: both futures over time, and what each campaign removed."""
+"""The page of ``scenario``: both futures over time, and the removals of each campaign."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ CURVES = (
 
 DIFFERENCES = {
     "catastrophic": "catastrophic collisions of pairs, expected",
-    "fragment_catastrophic": "the same with fragments of drawn events",
+    "fragment_catastrophic": "catastrophic collisions with fragments of drawn events, expected",
     "expected_fragments": "fragments made, expected",
     "collisions": "collisions drawn",
     "explosions": "explosions drawn",
@@ -68,8 +68,8 @@ def scenario_page(made: Scenario, told: Mapping[str, Any]) -> str:
     parts += [
         section(
             "Sums over the years",
-            "Means over seeds and standard errors. Seeds are in common, so that differences "
-            "scatter less than what they are differences of.",
+            "Means over seeds and standard errors. Both cases share seeds, so differences scatter "
+            "less than the values themselves.",
             _sums(told),
         ),
         section("Campaigns", *_campaigns(told)),

@@ -1,4 +1,4 @@
-"""The page of ``screen``: what comes near a refined plan, and when."""
+"""The page of ``screen``: approaches of objects to a refined plan, over time."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ MISSES = "Misses against time"
 
 PROBABILITIES = (
     "Probabilities of a collision are those of short encounters, by the integral over the circle "
-    "of both radii; where one of the errors is not known, or the encounter is slow, there is none."
+    "of both radii; if an error is unknown, or the encounter is slow, none is given."
 )
 
 
 def columns(probable: bool) -> list[tables.Column]:
-    """Columns of a table of approaches, by what they say of one; with probabilities if wanted."""
+    """Columns of a table of approaches, with probabilities if known."""
     found: list[tables.Column] = [
         ("object", "", lambda each: each.object),
         ("chaser", "", lambda each: each.chaser),
@@ -74,7 +74,7 @@ def screening_page(
         section(MISSES, "", drawn(approaches_chart(found), MISSES)),
         section("Nearest approaches", more + PROBABILITIES * probable, near if others else ""),
     ]
-    return page("Screening", "What comes near the plan", under, parts)
+    return page("Screening", "Approaches to the plan", under, parts)
 
 
 def _chance(probability: float | None) -> str:

@@ -117,7 +117,7 @@ def verdict(
 
 
 def _held(own: PlanFlight | None) -> str:
-    """That a plan held when it was refined as it was made, if it did."""
+    """Sentence that a plan held when it was refined on being made; empty if it did not."""
     if own is None or own.how != "refined" or not own.holds:
         return ""
     return (
@@ -127,7 +127,7 @@ def _held(own: PlanFlight | None) -> str:
 
 
 def _refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight | None) -> str:
-    """The same of a plan that is refined, with which nothing is wrong."""
+    """Verdict on a refined plan without faults."""
     left_m = max((leg.residual_m for leg in refined.legs), default=0.0)
     met = f"the stand-offs are met to {length(left_m)}"
     if flight is not None:
@@ -143,7 +143,7 @@ def _refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight | N
 
 
 def _drifting(instance: Instance, flown: Flight | str | None, held: str) -> str:
-    """The same of a plan under J2 with which nothing is wrong as far as is known."""
+    """Verdict on a plan under J2 without known faults."""
     checked = "Checked against the instance: no violations"
     if not isinstance(flown, Flight):
         return (
@@ -186,7 +186,7 @@ def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
 
 
 def lanes(instance: Instance) -> tuple[str, str]:
-    """Heading of the lanes, and what they are."""
+    """Heading of the lanes, with their description."""
     title = "Chasers" if several(instance) else "Mission"
     said = f"A lane for {'each' if several(instance) else 'the'} chaser, coloured by phase"
     if instance.stations:
@@ -222,7 +222,7 @@ def costs_note(plan: Plan, refined: RefinedPlan | None) -> str:
 
 
 def not_drawn(path: str, trouble: str) -> str:
-    """Message in place of a path that leads nowhere."""
+    """Message in place of a path that cannot be drawn."""
     said = f"{path[:1].upper()}{path[1:]} cannot be drawn: {escape(trouble)}."
     return f'<p class="verdict bad">{said}</p>'
 
@@ -244,7 +244,7 @@ def _box(title: str, said: str, found: Iterable[object]) -> str:
 
 
 def story(plan: Plan, found: Facts, refined: RefinedPlan | None) -> str:
-    """The plan in a sentence: what it collects, what it takes, and what is possible at most."""
+    """The plan in a sentence: its prize, its cost, and the bound."""
     said = f"<b>{number(found.visits)} of {counted(found.targets, 'target')}</b>"
     if not found.counts_visits:
         said += f", worth {_figure(found.prize)} of {_figure(found.total_prize)},"
@@ -271,7 +271,7 @@ def story(plan: Plan, found: Facts, refined: RefinedPlan | None) -> str:
 
 
 def headline(found: Facts, refined: RefinedPlan | None = None) -> str:
-    """The figures that are asked for first; with a refined plan what that takes, too."""
+    """The headline figures, including those of a refined plan."""
     taken = f"of {number(found.budgets_m_s, 0)} m/s"
     if refined is not None and not refined.missing:
         taken += f"; refined {number(refined.flown_delta_v_m_s, 0)}"
@@ -310,7 +310,7 @@ def headline(found: Facts, refined: RefinedPlan | None = None) -> str:
 
 
 def _figure(value: float) -> str:
-    """A prize as a tile holds it: of large ones no fraction."""
+    """A prize as shown in a tile: large ones without a fraction."""
     return number(value, 2 if abs(value) < 1e4 else 0)
 
 
@@ -319,11 +319,11 @@ def certificate(plan: Plan, found: Facts) -> str:
     collected, total = number(found.prize, 2), number(found.total_prize, 2)
     what = "visits" if found.counts_visits else "prize"
     if plan.upper_bound is None and plan.status == "optimal":
-        said = f"The plan collects all there is, {collected}: no plan can be better."
+        said = f"The plan collects all prizes, {collected}: no plan can be better."
     elif plan.upper_bound is None:
         said = (
-            "The plan states no upper bound, so it is not known how much better another plan could "
-            "be. <code>bound --start</code> proves one of the model."
+            "The plan states no upper bound, so how much better another plan could be is unknown. "
+            "<code>bound --start</code> proves one of the model."
         )
     elif plan.status == "optimal":
         said = (
@@ -334,7 +334,7 @@ def certificate(plan: Plan, found: Facts) -> str:
         said = (
             f"The plan collects {collected}, and states that no plan can collect more than "
             f"{number(plan.upper_bound, 2)}, of which <code>verify</code> judges the certificate. "
-            "Whether there is one in between is open."
+            "Whether a plan in between exists is open."
         )
     rows = [("this plan", found.prize, "var(--good)", collected)]
     if plan.upper_bound is not None:
@@ -408,7 +408,7 @@ def _tanks(instance: Instance) -> str:
 
 
 def _transfers(instance: Instance) -> str:
-    """Description of the transfers planned with."""
+    """Description of the transfers used in planning."""
     settings = instance.transfer
     if settings.given is not None:
         files = (

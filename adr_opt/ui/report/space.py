@@ -23,8 +23,8 @@ SPEEDS = {
     86400: "1 d/s",
     1000000: "×10⁶",
 }
-"""How fast time may be played: seconds of the mission a second. The page begins with the slowest
-that plays all of it within twenty minutes."""
+"""Playback speeds: seconds of the mission per second. The page begins with the slowest that plays
+all of it within twenty minutes."""
 
 
 def phases(shown: list[str]) -> str:
@@ -64,7 +64,7 @@ def views(instance: Instance) -> str:
 
 
 def timebar() -> str:
-    """The time that is shown: a slider, a button that plays it, how fast, and what it comes to."""
+    """The time bar: a slider, a play button, speeds, and the time shown."""
     speeds = "".join(f'<option value="{speed}">{said}</option>' for speed, said in SPEEDS.items())
     return (
         '<div class="timebar" role="group" aria-label="Time">'
@@ -168,7 +168,7 @@ def _ground(instance: Instance, plan: Plan) -> str:
 
 
 def _places(instance: Instance) -> str:
-    """What is thick on the way, and how exact its places are."""
+    """Note on thick parts of the ground track, and on the accuracy of places."""
     if not instance.has_low_thrust:
         return ""
     return (
@@ -178,7 +178,7 @@ def _places(instance: Instance) -> str:
 
 
 def _longitudes(instance: Instance) -> str:
-    """From where longitudes count."""
+    """Note on the origin of longitudes."""
     if instance.frame is not None:
         return f"Longitudes are those of elements in {instance.frame}."
     return (
@@ -248,9 +248,9 @@ def planes(instance: Instance) -> str:
     """The section with the chart of planes, if all bodies have one."""
     if not instance.has_orbits:
         return ""
-    said = "Turning the plane is what costs most: near neighbours here are cheap to reach."
+    said = "Turning the plane costs most: neighbours here are cheap to reach."
     if instance.transfer.given is not None:
-        said = "Costs are given: they need not be those of turning the plane."
+        said = "Costs are given, and need not follow from turning the plane."
     elif instance.nodes_drift:
         said += " Planes are shown as they are at the epoch; how they drift is shown above."
     said += " Numbers are those of the legs that lead there."

@@ -27,7 +27,7 @@ Cell = tuple[str, str]
 """A class, "n" for numbers, and HTML."""
 
 Column = tuple[str, str, Callable[..., str | Cell]]
-"""Heading, class, and the HTML of the cell, or the cell, from what a row is of."""
+"""Heading, class, and a function that makes the HTML of a cell from the data of a row."""
 
 
 def table(caption: str, headings: Iterable[tuple[str, str]], rows: Iterable[str]) -> str:
@@ -162,7 +162,7 @@ def _towing(leg: Leg) -> str:
 
 
 def _years(years: Mapping[str, float], leg: Leg) -> str:
-    """How long an object stays in orbit after its release."""
+    """Lifetime of an object after its release."""
     if leg.destination not in years:
         return NOTHING
     lasts = years[leg.destination]

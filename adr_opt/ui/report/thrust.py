@@ -1,4 +1,4 @@
-"""The section on arcs of low thrust: how long each leg thrusts, and each chaser in all."""
+"""The section on arcs of low thrust: times of thrust of each leg, and of each chaser in all."""
 
 from __future__ import annotations
 

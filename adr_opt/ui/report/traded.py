@@ -20,15 +20,14 @@ from .text import NOTHING, fixed, number
 FRONTIER = "Least ΔV against the last day"
 
 NOTE = (
-    "The line is what the best plan found collects, the band reaches up to what is proven that no "
-    "plan exceeds, or to all prizes where nothing is proven; where the band is gone, the plan is "
-    "optimal (of the model)."
+    "The line is the prize of the best plan found; the band reaches up to the proven bound, or to "
+    "all prizes if nothing is proven; without a band, the plan is optimal (of the model)."
 )
 
 
 FRONTIER_NOTE = (
-    "Of plans that collect the most, the least ΔV that known orders take to be over by a day. The "
-    "cost has the price of time besides."
+    "Among plans that collect the most, the least ΔV with which known orders end by a day. The "
+    "cost includes the price of time."
 )
 
 
@@ -60,7 +59,7 @@ def traded_page(tradeoff: Tradeoff, endings: Sequence[Ending] = ()) -> str:
 
 
 VARIED = {"propellant": "kg", "thrust": "N", "isp": "Isp s"}
-"""Headings of further columns, of what is varied besides."""
+"""Headings of further columns for other varied limits."""
 
 
 def _gap(point: Point) -> str:
@@ -85,11 +84,11 @@ POINT_COLUMNS: dict[str, Callable[[Point], str]] = {
     "by": lambda point: ", ".join(point.methods) or "its neighbours",
     "s": lambda point: fixed(point.runtime_s, 1),
 }
-"""What is told of a point, as texts."""
+"""Columns of a point, as texts."""
 
 
 def point_columns(tradeoff: Tradeoff) -> dict[str, Callable[[Point], str]]:
-    """Columns of a table of points: of what is varied besides, and :data:`POINT_COLUMNS`."""
+    """Columns of a table of points: other varied limits, and :data:`POINT_COLUMNS`."""
     kinds = {axis.kind for axis in tradeoff.axes}
 
     def _value(kind: str) -> Callable[[Point], str]:
@@ -114,7 +113,7 @@ FRONTIER_COLUMNS: dict[str, Callable[[Ending], str]] = {
     "ΔV m/s": lambda ending: fixed(ending.delta_v_m_s, 1),
     "cost": lambda ending: fixed(ending.cost, 1),
 }
-"""What is told of a plan on the frontier, as texts."""
+"""Columns of a plan on the frontier, as texts."""
 
 
 def _frontier_chart(endings: Sequence[Ending]) -> str:

@@ -1,4 +1,4 @@
-"""The page of ``worth``: who is dangerous to whom, and what removals take off."""
+"""The page of ``worth``: dangerous pairs of groups, and the effect of removals."""
 
 from __future__ import annotations
 

@@ -143,7 +143,7 @@ async def event_stream(backend: Backend, closing: threading.Event) -> AsyncItera
 
 
 PACKAGE = "adr_opt.ui.serve"
-"""Where the files of the page are."""
+"""Folder of the page's files."""
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
@@ -153,7 +153,7 @@ POLICY = (
 """Content security policy of the page: everything comes from this server."""
 
 FRAMED = "sandbox allow-scripts allow-downloads allow-modals; frame-ancestors 'self'"
-"""Policy of the report, which is shown only within the page, and may ask this server nothing."""
+"""Policy of the report, which is shown only within the page, and cannot query this server."""
 
 
 def application(
@@ -210,7 +210,7 @@ def application(
         )
 
     async def of_result(request: Request) -> Response:
-        """Its page, or a file of it by name."""
+        """The page of a result, or one of its files by name."""
         number, name = (request.query_params.get(each, "") for each in ("id", "name"))
         try:
             if request.url.path.endswith("page"):
@@ -265,7 +265,7 @@ def _told(path: str, content: Callable[[], Any]) -> Route:
 
 
 def _told_of(path: str, content: Callable[[str], Any]) -> Route:
-    """The same of a result, whose number the query has as ``id``."""
+    """A GET request about a result, whose number is the query's ``id``."""
 
     def text(number: str, compressed: bool) -> bytes:
         plain_text = to_json(content(number)).encode()
@@ -339,7 +339,7 @@ def _report(session: EditingSession, shown: ShownReport) -> str:
     if progress.phase in ("done", "failed") and progress.said:
         failed = "Planning failed" if progress.phase == "failed" else "No plan"
         return _note(failed, f"{progress.said}. Earlier plans are in the list of results.")
-    return _note("No plan yet", "Press Plan, and the report comes here.")
+    return _note("No plan yet", "Press Plan to see the report here.")
 
 
 def _note(title: str, said: str) -> str:

@@ -99,7 +99,7 @@ class Backend:
         return self.session.folder.path.name
 
     def page(self, number: str) -> str:
-        """Page of a result, exactly as the verb has written it.
+        """Page of a result, exactly as the verb wrote it.
 
         Raises
         ------
@@ -143,14 +143,14 @@ class Backend:
         return archived(folder.path, folder.own(), passing(folder.path, ".zip"))
 
     def choose(self, request: ChooseRequest) -> dict[str, Any]:
-        """Make a mission of dropped objects; returns what became of them, as JSON data."""
+        """Make a mission of dropped objects; returns a record of the import, as JSON data."""
         made = self.dropped.mission(request.names, request.prizes, request.options)
         words = f"{counted(len(made.instance.targets), 'target')} chosen"
         self.session.begin_anew(made.instance, words)
         return made.to_dict()
 
     def sample(self) -> None:
-        """Begin with a mission that is drawn at random, always the same."""
+        """Begin with the sample mission, drawn with a fixed seed."""
         self.session.begin_anew(generate("nominal", 0), "sample mission opened")
 
     def begin(self, request: JobRequest) -> dict[str, Any]:
@@ -167,7 +167,7 @@ class Backend:
         """
         record = self._record(number)
         if record.verb != "tradeoff":
-            raise InputError(f"result {record.number} ({record.verb}) is no trade-off")
+            raise InputError(f"result {record.number} ({record.verb}) is not a trade-off")
         place = self.session.results.place(record.number)
         where = f"the answer of result {record.number}"
         answer = parse_json(read_text(refuse_link(place / ANSWER)), where)

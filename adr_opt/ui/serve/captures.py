@@ -1,4 +1,4 @@
-"""Windows that were found for the targets of a mission, and the mission without them."""
+"""Capture windows found for the targets of a mission, and the mission without them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ WINDOWS = "windows.csv"
 
 
 def place_of(field: Instance, results: Results) -> Path | None:
-    """Folder of the result whose windows a mission has; None if they are its own, or all is free.
+    """Folder of the result whose windows a mission uses; None if it has its own or none.
 
     Parameters
     ----------
@@ -33,14 +33,14 @@ def place_of(field: Instance, results: Results) -> Path | None:
 
 
 def whose(history: History, results: Results) -> str | None:
-    """Whose windows targets have: "found" for them, or "given" with them; None without any."""
+    """Origin of targets' windows: "found", or "given" with the mission; None without any."""
     if not history.has_mission or history.draft.field.windows is None:
         return None
     return "given" if place_of(history.draft.field, results) is None else "found"
 
 
 def without(field: Instance, results: Results) -> Instance:
-    """A mission with the windows that its targets came with.
+    """A mission with its original windows.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def without(field: Instance, results: Results) -> Instance:
 
 
 def found_for(field: Instance, results: Results, number: int) -> Instance | None:
-    """A mission with the windows of a result; None if they were found for another one.
+    """A mission with the windows of a result; None if they were found for another mission.
 
     Raises
     ------

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 NICENESS = 10
-"""Added to the niceness of the server, so that it answers while all cores work."""
+"""Increment of niceness over the server's, so that the server answers while all cores work."""
 
 PRIVATE = 0o077
 """Mask of modes of the files that they write."""
@@ -50,7 +50,7 @@ def started(
 
 @contextmanager
 def private_files() -> Iterator[None]:
-    """Let files that are written be read by nobody else."""
+    """Make new files readable by their owner only."""
     before = os.umask(PRIVATE)
     try:
         yield
@@ -59,14 +59,14 @@ def private_files() -> Iterator[None]:
 
 
 def settle_in() -> None:
-    """Take the lower priority, and make files private; for the process itself to call."""
+    """Lower the priority and make files private; called by the process itself."""
     os.umask(PRIVATE)
     with suppress(OSError, AttributeError):
         os.nice(NICENESS)
 
 
 def leave() -> None:
-    """End this process and all that it has started, at once."""
+    """End this process and all its children at once."""
     with suppress(OSError, AttributeError):
         if os.getpgrp() == os.getpid():
             os.killpg(os.getpid(), signal.SIGKILL)
@@ -74,7 +74,7 @@ def leave() -> None:
 
 
 def end(process: subprocess.Popen[bytes]) -> None:
-    """End a process and all that it has started, at once."""
+    """End a process and all its children at once."""
     with suppress(OSError, AttributeError):
         os.killpg(process.pid, signal.SIGKILL)
     with suppress(OSError):

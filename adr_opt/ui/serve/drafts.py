@@ -21,14 +21,14 @@ from ...problem.given import among
 from ...problem.instance import Instance
 
 Dynamics = Literal["two-body", "j2"]
-"""How bodies move after the epoch."""
+"""Dynamics of bodies."""
 
 Part = Literal["chasers", "stations", "mission", "transfer", "objective", "keep_out_zones"]
 """Parts of an instance that forms edit."""
 
 
 class TargetsEdit(Record):
-    """Changes to some targets; null leaves a field unchanged, but a mass it takes away."""
+    """Changes to some targets; null leaves a field unchanged, but removes a mass."""
 
     names: Annotated[tuple[str, ...], Field(strict=False, min_length=1)]
     prize: float | None = None
@@ -47,7 +47,7 @@ class BudgetEdit(Record):
 
 
 class PartEdit(Record):
-    """A part of the instance as its file has it, in place of the one that is there."""
+    """A new version of a part of the instance, as in its file."""
 
     path: Part
     value: dict[str, Any] | list[dict[str, Any]]
@@ -140,7 +140,7 @@ class Draft:
             Both are asked for at once.
         """
         if edit.required and edit.excluded:
-            raise InputError("a target cannot be required and excluded; ask for one of the two")
+            raise InputError("a target cannot be both required and excluded; choose one of the two")
         wanted = set(edit.names)
         _refuse_strangers(wanted, (target.name for target in self.field.targets), "target")
         changes: dict[str, Any] = {}
@@ -185,7 +185,7 @@ class Draft:
 def _refuse_strangers(wanted: Iterable[str], known: Iterable[str], what: str) -> None:
     strange = sorted(set(wanted) - set(known))
     if strange:
-        raise InputError(f"{strange[0]!r} is no {what} of this field")
+        raise InputError(f"{strange[0]!r} is not a {what} of this field")
 
 
 def amount_of(chaser: Chaser) -> float:

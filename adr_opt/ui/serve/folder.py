@@ -1,4 +1,4 @@
-"""The project folder: history, results and dropped files, and the latest plan at hand."""
+"""The project folder: history, results, dropped files, and the latest plan."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from .project.record import ProjectRecord
 from .project.results import Results
 
 INSTANCE, PLAN, DRAFT = "instance.json", "plan.json", "draft.json"
-"""Files at hand; the first two always belong together."""
+"""Files of the current state; the first two always belong together."""
 
 PROJECT = "project.json"
 
 HISTORY, RESULTS, FILES = "history", "results", "files"
-"""Folders of a project; without its file they are somebody else's."""
+"""Folders of a project; without the project's file, they are not ours."""
 
 
 class Folder:
@@ -60,7 +60,7 @@ class Folder:
             self.path = Path(path).resolve()
             is_there = self.path.exists()
         except (OSError, RuntimeError, ValueError):  # links in a circle, a NUL
-            raise InputError(f"{os.fspath(path)!r}: no folder can have such a name") from None
+            raise InputError(f"{os.fspath(path)!r}: not a valid folder name") from None
         if is_there and not self.path.is_dir():
             raise InputError(f"{path}: not a folder; name another one with --folder")
         if not is_there and not self.path.parent.is_dir():
@@ -71,8 +71,8 @@ class Folder:
             raise InputError(f"{path}: the folder cannot be written to; choose another")
         if is_there and self.path.stat().st_mode & stat.S_IWOTH and os.name == "posix":
             raise InputError(
-                f"{path}: every user of this machine can write to the folder; choose another, or "
-                "take that right away"
+                f"{path}: all users of this machine can write to the folder; choose another, or "
+                "remove that permission"
             )
         there = [
             name for name in (INSTANCE, PLAN, DRAFT, PROJECT) if os.path.lexists(self.path / name)
@@ -80,26 +80,26 @@ class Folder:
         if going_on is not None:
             if there and Path(going_on).resolve().parent != self.path:
                 raise InputError(
-                    f"{path}: holds {there[0]} of an earlier call; go on with that by giving the "
-                    "files in it as INSTANCE and PLAN, or name another folder with --folder"
+                    f"{path}: holds {there[0]} of an earlier call; continue by giving the files in "
+                    "it as INSTANCE and PLAN, or name another folder with --folder"
                 )
         elif there and PROJECT not in there:
             raise InputError(
-                f"{path}: holds {there[0]}, but is no project; give the files in it as INSTANCE "
+                f"{path}: holds {there[0]}, but is not a project; give the files in it as INSTANCE "
                 "and PLAN, or name another folder with --folder"
             )
         for name in () if PROJECT in there else (HISTORY, RESULTS, FILES):
             if os.path.lexists(self.path / name):
                 raise InputError(
-                    f"{path}: holds {name}, but no {PROJECT} that says it is of a project; name "
-                    "another folder with --folder"
+                    f"{path}: holds {name}, but no {PROJECT} that marks a project; name another "
+                    "folder with --folder"
                 )
         self.drafts = DraftsKept(self.path / HISTORY)
         self.results = Results(self.path / RESULTS)
         self.files = self.path / FILES
 
     def make(self) -> None:
-        """Create the folder if it is absent.
+        """Create the folder if it does not exist.
 
         Raises
         ------
@@ -112,12 +112,11 @@ class Folder:
         """Holds the folder, which must exist, against other servers."""
         return locked(
             self.path,
-            "another server is working in this folder; end that one, or name another folder with "
-            "--folder",
+            "another server uses this folder; end it, or name another folder with --folder",
         )
 
     def read(self) -> ProjectRecord | None:
-        """The project in the folder as it was left; None if it is a new one.
+        """The project stored in the folder; None if it is new.
 
         Raises
         ------
@@ -132,7 +131,7 @@ class Folder:
         return read_model(path, ProjectRecord) if path.exists() else None
 
     def own(self) -> list[Path]:
-        """All files and folders of the project, as its files name them; some may be gone.
+        """All files and folders named by the project; some may be missing.
 
         Raises
         ------
@@ -157,7 +156,7 @@ class Folder:
         write_text(self._file(PROJECT), record.to_json())
 
     def keep_draft(self, instance: Instance | None, *, planned: bool) -> None:
-        """Store the draft, unless the stored plan is one of it, or there is none."""
+        """Store the draft, unless there is none or the stored plan belongs to it."""
         path = self._file(DRAFT)
         if instance is None:
             path.unlink(missing_ok=True)
@@ -183,7 +182,7 @@ class Folder:
             self._save(instance, path)
 
     def keep_plan(self, instance: Instance, plan: Plan) -> None:
-        """Store a plan and its instance at hand."""
+        """Store a plan and its instance as the current ones."""
         path = self._file(PLAN)
         self._save(instance, self._file(INSTANCE))
         plan.save(path)
@@ -209,7 +208,7 @@ def _beside(instance: InstanceFile) -> set[str]:
 
 
 def archived(folder: Path, own: Iterable[Path], to: Path) -> Path:
-    """A zip file of what is of a project; the caller removes it.
+    """A zip file of the project; the caller removes it.
 
     Hidden files, which are being written, and links are left out, and so is what has gone in the
     meantime. Nothing is left of a file that cannot be written as a whole.

@@ -17,10 +17,10 @@ MOST_UPLOADED_BYTES = 64 * 2**20
 """Maximum size of a dropped file: 24,000 objects as OMM XML take 45 MB [bytes]."""
 
 UPLOAD = "/upload"
-"""The one address that takes bytes in place of JSON."""
+"""The only address that accepts bytes instead of JSON."""
 
 SERVER = "adr-opt-server"
-"""Header in which a page says which server it is of."""
+"""Header in which a page names the server that it came from."""
 
 HEADERS = {
     "Cache-Control": "no-store",
@@ -34,7 +34,7 @@ HEADERS = {
 
 
 WELCOME = "adr_opt.welcome"
-"""Where the state of a request has what marks its connection as known."""
+"""Key in a request's state of the function that marks its connection as known."""
 
 
 class TooLarge(Exception):
@@ -120,11 +120,11 @@ class Guard:
         if foreign or origin not in (None, f"http://{hosts[0]}"):
             return 403, "another page asked for this; open the address that was printed"
         if headers.get(SERVER, self._server) != self._server:
-            return 409, "the server was started anew; open the address that was printed"
+            return 409, "the server was restarted; open the address that was printed"
         if scope["method"] == "POST":
             kind = headers.get("content-type", "").partition(";")[0].strip()
             if kind != ("application/octet-stream" if _uploads(scope) else "application/json"):
-                return 415, "a request that changes something is JSON, and a dropped file bytes"
+                return 415, "a request for a change must be JSON, and a dropped file bytes"
             length, most = headers.get("content-length", "0"), _most(scope)
             if not (length.isascii() and length.isdigit()) or len(length) > 12:
                 return 413, _too_large(most)

@@ -66,7 +66,7 @@ class History:
 
     @classmethod
     def of(cls, steps: Sequence[Step], at: int) -> History:
-        """A history as it was left."""
+        """A history restored from its steps."""
         made = cls(None)
         made._steps, made._at = list(steps), at
         return made
@@ -102,7 +102,7 @@ class History:
 
     @property
     def base(self) -> Draft:
-        """The draft that came as a whole before the current one."""
+        """The latest draft that was loaded as a whole."""
         return next(
             (
                 step.draft
@@ -134,7 +134,7 @@ class History:
         return made != self.draft and self._go_on(made, told(edit), base=False)
 
     def begin_anew(self, draft: Draft, words: str) -> bool:
-        """Go on from another instance as a whole; returns whether it is another."""
+        """Continue with another instance; returns whether it differs."""
         known = self._steps[self._at].draft
         alike = known is not None and known.excluded == draft.excluded
         if alike and known is not None and known.field.sha256 == draft.field.sha256:
@@ -142,7 +142,7 @@ class History:
         return self._go_on(draft, words, base=True)
 
     def go_on(self, field: Instance, words: str) -> bool:
-        """Go on from another version of the mission; returns whether it is another."""
+        """Continue with another version of the mission; returns whether it differs."""
         made = replace(self.draft, field=field)
         return made != self.draft and self._go_on(made, words, base=False)
 

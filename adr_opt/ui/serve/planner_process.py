@@ -1,4 +1,4 @@
-"""Planning in a process of its own, which stays warm from one plan to the next."""
+"""Planning in a child process, which stays loaded from one plan to the next."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LAST_WORDS_S = 2.0
 
 
 class _Order(NamedTuple):
-    """An order that a process has not ended yet, with the folder of its files."""
+    """An unfinished order of a process, with the folder of its files."""
 
     instance: Instance
     folder: Path
@@ -36,7 +36,7 @@ class _Order(NamedTuple):
 
 
 class PlannerProcess:
-    """Plans one instance after another as :class:`.work.Work` does, in a process of its own.
+    """Plans one instance after another like :class:`.work.Work`, in a child process.
 
     A process that ends by itself is said in one sentence, and the next order starts another.
 
@@ -113,7 +113,7 @@ class PlannerProcess:
             return self._changed.wait_for(lambda: not self._look.runs, seconds)
 
     def close(self) -> None:
-        """End the process, whatever it does."""
+        """End the process, finished or not."""
         with self._changed:
             self._closing = True
             process = self._process
@@ -131,7 +131,7 @@ class PlannerProcess:
         try:
             self._process = started(WORKER, (), stdout=subprocess.PIPE)
         except OSError as error:
-            raise InputError(f"no process to plan in can be started ({error.strerror})") from None
+            raise InputError(f"no planning process can be started ({error.strerror})") from None
         self._listener = threading.Thread(
             target=self._listen,
             args=(self._process, self._count, self._listener),
@@ -142,7 +142,7 @@ class PlannerProcess:
         return self._process
 
     def _tell(self, kind: str, **content: Any) -> None:
-        """Say something to the process, which was started."""
+        """Send a message to the started process."""
         assert self._process is not None
         assert self._process.stdin is not None
         with suppress(OSError):  # it has ended, as its listener will say
@@ -152,7 +152,7 @@ class PlannerProcess:
     def _listen(
         self, process: subprocess.Popen[bytes], before: int, previous: threading.Thread | None
     ) -> None:
-        """Hear what a process says, until it ends, and end the orders that it leaves.
+        """Receive messages of a process until it ends, and end the orders that it leaves.
 
         Parameters
         ----------
@@ -194,14 +194,14 @@ class PlannerProcess:
             self._changed.notify_all()
 
     def _pass_on(self, number: int, plan: Plan | None) -> None:
-        """Hand over the best plan so far; one that cannot be stored is lost to a kill alone."""
+        """Hand over the best plan so far; one that cannot be stored is lost only to a kill."""
         with self._changed:
             instance = self._orders[number].instance
         with suppress(InputError, OSError):
             self._found(instance, plan)
 
     def _heard(self, process: subprocess.Popen[bytes], before: int, told: dict[str, Any]) -> None:
-        """Adopt a state of progress, unless it is of a run before the last order."""
+        """Adopt a state of progress, unless it belongs to an earlier run."""
         points = tuple((at, incumbent, bound) for at, incumbent, bound in told.pop("points"))
         with self._changed:
             number = int(told.pop("number")) + before
@@ -213,7 +213,7 @@ class PlannerProcess:
                 self._forget(process, number)
 
     def _adopt(self, process: subprocess.Popen[bytes], before: int, told: dict[str, Any]) -> None:
-        """Store a result, and say so to the process, which waits for it."""
+        """Store a result, and confirm that to the waiting process."""
         plan = None if told["plan"] is None else Plan.from_json(told["plan"])
         result = PlannedRun(plan, told["status"], tuple(told["notes"]))
         with self._changed:
@@ -242,6 +242,6 @@ class PlannerProcess:
 def _ended(status: int) -> str:
     how = f"by signal {-status}" if status < 0 else f"with status {status}"
     return (
-        f"the process that plans has ended {how}, as where memory runs out; press Plan to start "
+        f"the planning process has died {how}, most likely for lack of memory; press Plan to start "
         "another"
     )

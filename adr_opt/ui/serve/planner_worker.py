@@ -1,4 +1,4 @@
-"""The process that plans: orders come in and looks go out as lines of JSON."""
+"""The planning process: it reads orders and writes progress as lines of JSON."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ PRACTICE_S = 1.0
 """Time limit of the practice run, without compiling [s]."""
 
 PAUSE_S = 0.1
-"""Interval between looks [s]."""
+"""Interval between reports of progress [s]."""
 
 
 class PlannerWorker:
-    """Obeys orders until their pipe ends, as it does when the server is killed.
+    """Carries out orders until their pipe ends, as it does when the server is killed.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class PlannerWorker:
         self._count = 0
 
     def run(self) -> None:
-        """Obey, and leave at the end of the pipe whatever is in work."""
+        """Carry out orders, and exit at the end of the pipe even during a run."""
         threading.Thread(target=self._look, name="looks", daemon=True).start()
         for line in self._orders:
             order = loaded(line)
@@ -122,7 +122,7 @@ class PlannerWorker:
 
 
 def main() -> None:
-    """Run the worker on standard input and output; what others print goes to standard error."""
+    """Run the worker on standard input and output; prints of other code go to standard error."""
     settle_in()
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)

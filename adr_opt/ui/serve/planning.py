@@ -117,7 +117,7 @@ def finite(value: float) -> float | None:
 
 
 class PlannedRun(NamedTuple):
-    """The part of a result that is kept of a run: its plan, what is proven of it, and remarks."""
+    """The part of a run's result that is kept: its plan, proofs and notes."""
 
     plan: Plan | None
     status: str
@@ -128,15 +128,15 @@ Done = Callable[[Instance, PlannedRun], str]
 """Handles a result; returns a message about it."""
 
 Found = Callable[[Instance, Plan | None], None]
-"""Handles the best plan so far of a run; with None the run has ended, and that was its last."""
+"""Handles the best plan so far of a run; None means that the run has ended."""
 
 
 def ignored(instance: Instance, plan: Plan | None) -> None:
-    """Handle no plans of running planners."""
+    """Ignore the plans of running planners."""
 
 
 class PlanningWork(Protocol):
-    """What plans: one instance after another, in a thread or in a process of its own."""
+    """Interface of planners of one instance after another, in a thread or a child process."""
 
     def progress(self) -> PlanningProgress:
         """Progress of the last run."""
@@ -159,5 +159,5 @@ class PlanningWork(Protocol):
         ...
 
     def close(self) -> None:
-        """End what plans; nothing runs."""
+        """Release the planner; nothing runs."""
         ...

@@ -1,4 +1,4 @@
-"""What an editing session stores in its project folder: the project, and plans of runs."""
+"""Storage of an editing session in its project folder: the project, and plans of runs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MOST_BYTES = 2**28
 
 
 def restored(record: ProjectRecord, kept: DraftsKept) -> History:
-    """The history of a project; drafts are read when they are asked for."""
+    """The history of a project; drafts are read on demand."""
 
     def loading(key: str, excluded: frozenset[str]) -> Callable[[], Draft]:
         return lambda: Draft(kept.load(key), excluded)
@@ -44,7 +44,7 @@ def restored(record: ProjectRecord, kept: DraftsKept) -> History:
 
 
 def to_record(history: History, kept: DraftsKept) -> tuple[StepRecord, ...]:
-    """The steps for the file of the project; their instances are kept by then.
+    """The steps for the file of the project; their instances must be stored already.
 
     Parameters
     ----------
@@ -71,12 +71,12 @@ def to_record(history: History, kept: DraftsKept) -> tuple[StepRecord, ...]:
 
 
 def forget_unused(history: History, kept: DraftsKept) -> None:
-    """Remove the instances that no step has; none may be in work."""
+    """Remove the instances of no step; none may be in use."""
     kept.forget({str(step.record.draft) for step in history.steps if step.record is not None})
 
 
 def _shorten(history: History, kept: DraftsKept) -> None:
-    """Forget the earliest steps where all instances together are too large."""
+    """Forget the earliest steps if all instances together are too large."""
 
     def sizes() -> dict[str, int]:
         keys = {step.record.draft for step in history.steps if step.record is not None}
@@ -177,14 +177,14 @@ class PlannedRuns:
         return None
 
     def done(self, instance: Instance, plan: Plan | None) -> ResultRecord | None:
-        """Keep the plan that a run has ended with; returns its result, None if there is none."""
+        """Keep the final plan of a run; returns its result, or None."""
         if plan is None:
             return self._end(instance)
         self._settle()
         return self._keep(instance, plan, self._begun(instance))
 
     def _end(self, instance: Instance) -> ResultRecord | None:
-        """Keep the best plan of a run that is over; another one that goes on is left alone."""
+        """Keep the best plan of a finished run; a later run is left alone."""
         begun, plan = self._begun(instance), self._best
         if begun is None:
             return None
@@ -207,7 +207,7 @@ class PlannedRuns:
         return record
 
     def _settle(self) -> None:
-        """Keep at last the plan of a run that is over, so that the next one has its own folder.
+        """Finish keeping a run's plan, so that the next run has a folder of its own.
 
         If that fails again, it is in the folder, and a result once the project is reopened.
         """

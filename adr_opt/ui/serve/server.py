@@ -1,4 +1,4 @@
-"""The server: on 127.0.0.1, until it is stopped."""
+"""The server, on 127.0.0.1 only."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class LaunchFile:
         self.address = self._path.as_uri()
 
     def remove(self) -> None:
-        """Remove the file, which has been used or will not be."""
+        """Remove the file after use, or if it is not needed."""
         self._path.unlink(missing_ok=True)
 
 
@@ -58,7 +58,7 @@ MOST_KNOWN = 64
 """Maximum number of connections that have shown the token."""
 
 MOST_STRANGERS = 16
-"""Maximum number of connections that have not; the oldest of them makes room for the next."""
+"""Maximum number of connections without the token; the oldest is closed for a new one."""
 
 PATIENCE_S = 5.0
 """Longest wait for the token [s]."""
@@ -101,7 +101,7 @@ def connections() -> type[H11Protocol]:
             self.app_state = {**self.app_state, WELCOME: lambda: strangers.forget(self)}
 
         def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-            """Begin as a stranger."""
+            """Register the connection as one without the token."""
             super().connection_made(transport)
             strangers.add(self)
 
@@ -130,12 +130,12 @@ def listening(port: int = 0) -> socket.socket:
         The port is taken, or is none.
     """
     if not 0 <= port <= 65535:
-        raise InputError(f"--port {port}: must be between 0 and 65535; 0 for any that is free")
+        raise InputError(f"--port {port}: must be between 0 and 65535; 0 for any free port")
     try:
         return socket.create_server((HOST, port))
     except OSError as error:
         raise InputError(
-            f"--port {port}: cannot be listened at ({error.strerror}); name another one, or none"
+            f"--port {port}: cannot be opened ({error.strerror}); name another one, or none"
         ) from None
 
 

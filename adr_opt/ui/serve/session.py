@@ -109,7 +109,7 @@ class EditingSession:
         self._go(lambda: self._history.edit(edit))
 
     def begin_anew(self, instance: Instance, words: str) -> None:
-        """Go on from another instance, as one edit."""
+        """Continue with another instance, as one edit."""
         self._go(lambda: self._history.begin_anew(Draft(instance), words))
 
     def undo(self) -> None:
@@ -155,7 +155,7 @@ class EditingSession:
         return self._work.progress()
 
     def show(self, number: int) -> None:
-        """Show the plan of a result, and go on from its instance, as one edit.
+        """Show the plan of a result, and continue with its instance, as one edit.
 
         Raises
         ------
@@ -246,7 +246,7 @@ class EditingSession:
             return self._history.draft.instance
 
     def without_found_windows(self) -> Instance:
-        """The mission as edited, excluded targets as well, with the windows that it came with.
+        """The mission as edited, with excluded targets and its original windows.
 
         Raises
         ------
@@ -257,7 +257,7 @@ class EditingSession:
             return captures.without(self._history.draft.field, self.results)
 
     def take_windows(self, number: int) -> bool:
-        """Go on with the windows of a result, as one edit; returns whether they are of this one."""
+        """Use the windows of a result, as one edit; returns whether they belong to this mission."""
         with self._lock:
             made = captures.found_for(self._history.draft.field, self.results, number)
             if made is not None:
@@ -265,7 +265,7 @@ class EditingSession:
             return made is not None
 
     def lift_windows(self) -> None:
-        """Go on without windows that were found, as one edit."""
+        """Discard found windows, as one edit."""
         with self._lock:
             made = self.without_found_windows()
             self._go(lambda: self._history.go_on(made, "captures at any time"))
@@ -286,7 +286,7 @@ class EditingSession:
             }
 
     def _variant(self, instance: Instance) -> str:
-        """What an instance differs in from the mission as it came."""
+        """Differences of an instance from the original mission, in words."""
         with self._lock:
             if not self._history.has_mission:
                 return ""
@@ -304,7 +304,7 @@ class EditingSession:
             self._settle()
 
     def _settle(self) -> None:
-        """Count and store a change; it stands even if that fails, and the page says so."""
+        """Count and store a change; if storing fails, the change stands, and the page says so."""
         self.revision += 1
         try:
             self._keep()
@@ -313,7 +313,7 @@ class EditingSession:
             self._trouble = str(error)
 
     def _keep(self) -> None:
-        """Store the project, and what is at hand in it."""
+        """Store the project with its current instance and plan."""
         self._keeper.keep(self._history, self._shown, self.files, self.worth)
 
     def _found(self, instance: Instance, plan: Plan | None) -> None:
@@ -329,7 +329,7 @@ class EditingSession:
         return told(instance, result)
 
     def _end(self, kept: Callable[[], ResultRecord | None]) -> None:
-        """Show the plan that a run has ended with, or none if there is none or it is not stored."""
+        """Show the final plan of a run; none if it has no stored plan."""
         record = None
         try:
             record = kept()

@@ -1,4 +1,4 @@
-"""Which result's plan is shown."""
+"""The result whose plan is shown, with its changes."""
 
 from __future__ import annotations
 
@@ -46,21 +46,21 @@ class ShownPlan:
 
     @property
     def visible(self) -> int | None:
-        """Its number; None if there is none, or it is hidden."""
+        """Number of the shown result; None if there is none or it is hidden."""
         return None if self.hidden else self.result
 
     def hide(self) -> None:
-        """Show none; the last one stays at hand, to begin from."""
+        """Hide the plan; it remains available as a start plan."""
         self.hidden = True
 
     def reopen(self, number: int) -> None:
-        """Show what was shown when the project was left, unless it is spoilt."""
+        """Show the plan that was shown when the project was left, unless it is damaged."""
         with suppress(InputError):
             self._results.plan(number)
             self.show(number)
 
     def take_up(self, numbers: Iterable[int], instance_sha256: str) -> None:
-        """Show the last of some plans of an instance, unless a better one of it is shown."""
+        """Show the last of an instance's plans, unless a better one is shown."""
         for number in numbers:
             record = self._results.record(number)
             if record.instance_sha256 != instance_sha256:
@@ -83,7 +83,7 @@ class ShownPlan:
     def given(
         self, instance: Instance, plan: Plan, label: str = "", inputs: tuple[int, ...] = ()
     ) -> int:
-        """Number of the result that is a plan: one that is there already, or a new one.
+        """Number of the result that holds a plan: an existing one, or a new one.
 
         Parameters
         ----------

@@ -21,7 +21,7 @@ LONGEST_NAME = 200
 
 
 def uploaded(backend: Backend) -> Callable[[Request], Awaitable[Response]]:
-    """What answers an upload: the guard before it has limited the size.
+    """Handler of uploads, whose size the guard has limited.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def uploaded(backend: Backend) -> Callable[[Request], Awaitable[Response]]:
 
 
 def not_written(what: str, error: OSError) -> str:
-    """The sentence that says that something cannot be stored, as where the disk is full."""
+    """A sentence on a failed write, as on a full disk."""
     why = error.strerror or type(error).__name__
     return f"{what} cannot be stored in the project folder ({why}); make room there, and try again"
 

@@ -1,4 +1,4 @@
-"""What a variant of a mission differs in, in the words of people."""
+"""Differences of a variant of a mission, in words."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ...problem.instance import Instance
 from .drafts import amount_of, unit_of
 
 FEW = 2
-"""Targets that are named one by one; more are counted."""
+"""Maximum number of targets named one by one; more are counted."""
 
 LONGEST_NAME = 18
 
 
 def differences(first: Instance, now: Instance) -> str:
-    """How one mission differs from another: "without SL-16 R/B 23405, 9 d"; empty if it does not.
+    """Differences between two missions, such as "without SL-16 R/B 23405, 9 d"; empty if equal.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def _windows(target: Target) -> tuple[object, ...]:
 
 
 def _named(words: str, names: Iterable[str]) -> str:
-    """A change to some targets, who are few enough to be named, or else counted; or nothing."""
+    """A change to some targets, which are named if few, else counted; empty without targets."""
     names = sorted(names)
     if not names:
         return ""

@@ -95,7 +95,7 @@ class IncumbentWatch:
             pause_s = max(PAUSE_S, (time.monotonic() - began) / SHARE)
 
     def _plan(self, routes: Routes) -> Plan | None:
-        """The plan of routes; None where they are none, as those of half a plan are."""
+        """The plan of routes; None if the routes do not form a plan, as those of half a plan."""
         if len(routes) != len(self._problem.missions):
             return None
         try:
@@ -173,7 +173,7 @@ class _Run:
         self.points.append((self.elapsed_s, *best))
 
     def settle(self, result: Result) -> None:
-        """Adopt the final result, which may be below an incumbent reported before."""
+        """Adopt the final result, which may be below an earlier incumbent."""
         self._begin()
         known, stated = (-math.inf, math.inf), (result.objective, result.upper_bound)
         if (self.points[-1][1:] if self.points else known) != stated:
@@ -274,10 +274,10 @@ class Work:
         return run is None or run.over.wait(seconds)
 
     def prepare(self, *, drifts: bool) -> None:
-        """Load what is needed: nothing, as the first run does so itself."""
+        """Do nothing: the first run loads what it needs."""
 
     def close(self) -> None:
-        """End what plans: nothing, as a thread that is done has ended."""
+        """Do nothing: a finished thread has ended."""
 
     def _plan(self, run: _Run, before: _Run | None, instance: Instance, known: Plan | None) -> None:
         try:

@@ -12,7 +12,7 @@ from ..drafts import Part
 
 
 class FieldWords(NamedTuple):
-    """How a form calls a field, and what it says of it."""
+    """Label and description of a field in a form."""
 
     label: str
     help: str = ""
@@ -46,7 +46,7 @@ WORDS = {
     "argument_of_perigee_deg": FieldWords("Argument of perigee"),
     "true_anomaly_deg": FieldWords("True anomaly"),
     "available_s": FieldWords(
-        "Available", "earliest and latest time since the epoch; no latest one: for ever"
+        "Available", "earliest and latest time since the epoch; empty latest time: no end"
     ),
     "max_targets": FieldWords("Most targets", "empty for no limit"),
     "max_visits_between_refuels": FieldWords("Most targets on a tank", "empty for no limit"),
@@ -107,17 +107,17 @@ WORDS = {
     "max_leg_s": FieldWords("Longest leg", "from arrival to arrival; empty for no limit"),
     "dynamics": FieldWords("Dynamics", "with j2 planes drift; two-body for short missions"),
     "window_s": FieldWords(
-        "Window", "earliest begin and latest end of the service; no latest one: for ever"
+        "Window", "earliest start and latest end of the service; empty latest end: no limit"
     ),
     "removal": FieldWords("Service", "a visit, a kit that stays, or a tow, which needs a mass"),
     "mass_kg": FieldWords("Mass"),
     "cost": FieldWords("Cost", "that decides between plans of equal prizes"),
     "time_m_s_per_day": FieldWords("Price of a day", "in ΔV"),
 }
-"""By the last name of a field's path."""
+"""Labels and descriptions of fields, by the last name of a field's path."""
 
 VARIANTS = {"Tank": "delta-v", "TankByMass": "mass"}
-"""What forms call the kinds of a field, where not after its only name."""
+"""Labels of the kinds of a field, where they differ from its only name."""
 
 NOT_EDITED = {"given", "decay_m_per_day", "launcher"}
 """Fields that no form shows: they refer to files, or come from fits."""
@@ -144,7 +144,7 @@ SHOWN = {
     "min_altitude_m": KILOMETRES,
     "max_altitude_m": KILOMETRES,
 }
-"""Units that people use in place of those of files, and how much one of each is."""
+"""Units for display in place of those of files, with their values."""
 
 SELDOM = {
     *("argument_of_perigee_deg", "true_anomaly_deg", "available_s", "max_targets", "expense"),
@@ -154,7 +154,7 @@ SELDOM = {
     *("first_leg_fraction", "standoff_m", "delta_v_resolution_m_s", "departure_spacing_s"),
     *("drift_step_s", "mass_class", "max_leg_s", "inspection_revolutions"),
 }
-"""Fields that forms show only where more is asked for."""
+"""Fields that forms show only on request."""
 
 
 def unit_of(name: str) -> str:
@@ -280,7 +280,7 @@ def _told(path: str, kind: str, of: list[str] | None, **more: Any) -> dict[str, 
 
 
 def _variant(content: Schema) -> str:
-    """What a form calls one of several kinds: a word, its only name, or as :data:`VARIANTS`."""
+    """Label of one of several kinds: a word, its only name, or from :data:`VARIANTS`."""
     if "const" in content:
         return str(content["const"])
     return VARIANTS.get(content["title"]) or next(iter(content["properties"]))

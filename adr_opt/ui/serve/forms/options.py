@@ -16,7 +16,7 @@ LONGEST_TEXT = 200
 """Maximum length of a text [characters]."""
 
 GREATEST = 10**18
-"""Greatest whole number, by its amount; greater ones are no floats, or have no end of digits."""
+"""Largest absolute value of a whole number; larger ones are not exact as floats."""
 
 Value = bool | int | float | str | None
 
@@ -68,7 +68,7 @@ class JobOption:
     words: Mapping[str, str] = field(default_factory=dict)
 
     def word(self, value: Value) -> str | None:
-        """The option with a value as one word, which begins with its sign; None to leave it out.
+        """The option with a value as one word of the command line; None to leave it out.
 
         Raises
         ------
@@ -129,7 +129,7 @@ class JobOption:
 
 
 def number(name: str, label: str, unit: str = "", help: str = "", **more: Any) -> JobOption:
-    """An option with a number, whose sign is its name; ``more`` are other fields."""
+    """An option with a number, whose flag is its name; ``more`` are other fields."""
     return JobOption(name, sign_of(name), label, "number", unit, help=help, **more)
 
 
@@ -139,7 +139,7 @@ def whole(name: str, label: str, default: int | None, least: float, most: float)
 
 
 def text(name: str, label: str, unit: str = "", help: str = "", **more: Any) -> JobOption:
-    """An option with a text, alike."""
+    """An option with a text, whose flag is its name."""
     return JobOption(name, sign_of(name), label, "text", unit, help=help, **more)
 
 
@@ -155,7 +155,7 @@ def choice(
     default: str | None = None,
     help: str = "",
 ) -> JobOption:
-    """An option with one of some values, or of those that a function gives when it is asked."""
+    """An option with one of some values, or of those that a function returns."""
     given = choices if callable(choices) else lambda: choices
     return JobOption(
         name, sign_of(name), label, "choice", default=default, choices=given, help=help
@@ -168,7 +168,7 @@ def sign_of(name: str) -> str:
 
 
 def words_of(options: Sequence[JobOption], given: dict[str, Value]) -> list[str]:
-    """All options as words of a command line; those that are not given have their defaults.
+    """All options as words of a command line; options not given have their defaults.
 
     Raises
     ------

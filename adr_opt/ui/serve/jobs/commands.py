@@ -17,11 +17,11 @@ from .verbs import VERBS, JobVerb, unsure
 
 REFINED, CERTIFICATE = "refined.json", "certificate.json.gz"
 
-NO_CERTIFICATE = "no certificate is there for this plan; prove a bound with one first"
+NO_CERTIFICATE = "there is no certificate for this plan; prove a bound with one first"
 
 
 class JobCommand(NamedTuple):
-    """What a job runs.
+    """The command of a job.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class JobInputs:
         return read._replace(words=[request.verb, *read.words, *options, *outputs, "--json"])
 
     def _files(self, verb: JobVerb, request: JobRequest, place: Path | None) -> JobCommand:
-        """Files that a verb reads, and the results that they are of."""
+        """Files that a verb reads, and the results to which they belong."""
         given = [self._session.results.record(number) for number in request.results]
         if verb.needs == ("mission",):
             return self._mission(place)
@@ -127,7 +127,7 @@ class JobInputs:
         return JobCommand(files, numbers, plans[0].instance_sha256)
 
     def _plans(self, given: list[ResultRecord], least: int) -> list[ResultRecord]:
-        """The plans among the given results, or that of which one was refined, or the shown one."""
+        """The plans among the given results; else the plan that was refined, or the shown one."""
         results = self._session.results
         plans = [record for record in given if record.has_plan]
         for record in given:
@@ -137,11 +137,11 @@ class JobInputs:
         if not plans and shown is not None:
             plans = [results.record(shown[0])]
         if len(plans) < least:
-            raise InputError("plan first" if least == 1 else f"choose {least} plans or more")
+            raise InputError("plan first" if least == 1 else f"choose at least {least} plans")
         return plans if least > 1 else plans[:1]
 
     def _draft(self, place: Path | None, request: JobRequest) -> JobCommand:
-        """The instance as edited: that of a plan of it if there is one, else written anew."""
+        """The file of the edited instance: that of one of its plans, or a new one."""
         instance = self._session.instance()
         known = self._session.results.newest_of(instance.sha256)
         plans = request.verb == "solve"  # whose result is a plan with its instance
@@ -171,7 +171,7 @@ class JobInputs:
     def _objects(self) -> list[str]:
         files = [self._named(path) for path in self._dropped.of("catalogue")]
         if not files:
-            raise InputError("no catalogue is there; drop a TLE or OMM file first")
+            raise InputError("there is no catalogue; drop a TLE or OMM file first")
         return files
 
     def _errors(self) -> list[str]:
@@ -186,7 +186,7 @@ class JobInputs:
     def _made_of(
         self, plan: ResultRecord, given: list[ResultRecord], file: str, without: str
     ) -> ResultRecord:
-        """The result with a file that is of a plan: among the given ones, or else the latest."""
+        """The result with a file made from a plan: among the given ones, or else the latest."""
         for record in (*given, *reversed(self._session.results.all())):
             of_plan = plan.number in (record.number, *record.inputs) or file == CERTIFICATE
             if file in record.files and record.instance_sha256 == plan.instance_sha256 and of_plan:
@@ -194,7 +194,7 @@ class JobInputs:
         raise InputError(without)
 
     def _uncertainty(self, request: JobRequest, place: Path | None) -> str:
-        """The dropped file, or one with what the form states."""
+        """The dropped uncertainty file, or one with the values of the form."""
         path = self._dropped.latest("uncertainty")
         if path is None:
             path = (place or self._folder) / "uncertainty.json"

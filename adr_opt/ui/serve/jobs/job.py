@@ -18,10 +18,10 @@ from ..children import end, started
 CHILD = "adr_opt.ui.cli.attended"
 
 PATIENCE_S = 10.0
-"""Longest wait for a stopped verb to write what it has; then it is killed [s]."""
+"""Longest wait for a stopped verb to write its results; then it is killed [s]."""
 
 MOST_SAID = 20_000
-"""Maximum length of what is kept of the messages of a verb [characters]."""
+"""Maximum length of a verb's messages that is kept [characters]."""
 
 State = Literal["waiting", "running", "done", "failed", "stopped"]
 
@@ -57,11 +57,11 @@ class Job:
 
     @property
     def runs(self) -> bool:
-        """Whether it is still to end."""
+        """Whether the job has not ended."""
         return self.state in ("waiting", "running")
 
     def start(self) -> bool:
-        """Begin to run; returns whether it is to, or was stopped while it waited."""
+        """Begin to run; returns False if the job was stopped while it waited."""
         with self._lock:
             self.state = "stopped" if self.stopping else "running"
             self._began = time.monotonic()
@@ -69,7 +69,7 @@ class Job:
         return self.state == "running"
 
     def settle(self, state: State, said: str = "") -> None:
-        """Set the state that a job ends in."""
+        """Set the final state of a job."""
         self._ended = time.monotonic()
         self.state, self.said = state, said
         self._changed()
@@ -107,7 +107,7 @@ class Job:
         return status, printed
 
     def stop(self) -> None:
-        """Ask for what there is, and end the process if that takes long."""
+        """Ask for the results so far, and end the process if that takes long."""
         with self._lock:
             if self.stopping or not self.runs:
                 return

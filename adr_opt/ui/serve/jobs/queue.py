@@ -24,7 +24,7 @@ from .verbs import VERBS
 
 
 def figures_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
-    """Figures of a result, from the plan that was made or else from the answer of the verb.
+    """Figures of a result, from its plan or else from the answer of the verb.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ NO = {
     "solve": "the plan does not hold",
     "tradeoff": "a point has no plan",
 }
-"""What exit status 1 means."""
+"""Meaning of exit status 1, by verb."""
 
 
 MOST_AT_ONCE = 2
@@ -106,7 +106,7 @@ MOST_LISTED = 100
 """Number of jobs that are listed: those that run or wait, and the latest others."""
 
 ANSWER = "answer.json"
-"""File of a result with what the verb answered."""
+"""File of a result with the answer of the verb."""
 
 
 class JobQueue:
@@ -236,7 +236,7 @@ class JobQueue:
                 self._session.note(worth=record.number)
             said = said_of(job.verb, answer, status)
             if job.verb == "windows" and not self._session.take_windows(record.number):
-                said = "the mission was edited meanwhile, and goes without; find them anew"
+                said = "the mission was edited meanwhile, and does not use them; find them again"
             job.settle("done", said)
         except Exception as error:  # to be reported on the page
             if job.result is None:
@@ -246,7 +246,7 @@ class JobQueue:
 
 
 def _listed(jobs: list[Job]) -> list[Job]:
-    """The jobs without the earliest that are over, where they are more than are listed."""
+    """The jobs to list: without the earliest finished ones if there are too many."""
     over = [job for job in jobs if not job.runs]
     dropped = set(over[: max(len(jobs) - MOST_LISTED, 0)])
     return [job for job in jobs if job not in dropped]

@@ -1,4 +1,4 @@
-"""The verbs that run as jobs: what each needs, its options, and the files that it makes."""
+"""The verbs that run as jobs: inputs, options and output files of each."""
 
 from __future__ import annotations
 
@@ -120,14 +120,14 @@ VARY = r"[a-z-]+=[0-9eE.,:+-]+"
 VARIED = "give a range as NAME=LOW:HIGH:STEP, or values as NAME=VALUE,VALUE"
 
 GRAVITIES = ("two-body", "j2", "j3", "j4")
-OF_GRAVITY = "zonal harmonics up to this one; by default those of the instance"
+OF_GRAVITY = "highest zonal harmonic; by default that of the instance"
 FLIGHTS = ("oem", "opm", "ocm", "czml", "script")
 OF_FLIGHTS = "CCSDS messages of states or burns, CZML for Cesium, or a script for GMAT"
 OF_UNSURE = "1σ of each leg's; a dropped file of uncertainties stands in place of these five"
 OF_BURNS = "free: least ΔV at any times; planned: the plan's own, changed little"
 OF_FORCES = "of a refined plan: its own field, or all forces"
-OF_ACTIVITY = "on which the density of the air depends"
-OF_STATIONS = f"one that sees the target suffices; empty: not asked; {', '.join(STATIONS)}"
+OF_ACTIVITY = "sets the density of the atmosphere"
+OF_STATIONS = f"one that sees the target suffices; empty: no condition; {', '.join(STATIONS)}"
 OF_ERRORS = "with a dropped file of errors"
 OF_RULES = "by default that of the mission"
 OF_SUN = "least angle from the velocity"
@@ -141,11 +141,11 @@ UNSURE = (
     JobOption("delay", "", "Delay of services, mean", "number", "h", 0.0, 0.0, 1000.0),
     JobOption("slip", "", "Slip of launches, mean", "number", "days", 0.0, 0.0, 1000.0),
 )
-"""What may go otherwise, without a file that says so."""
+"""Uncertainties stated by options instead of a file."""
 
 
 def unsure(given: Mapping[str, Any]) -> Uncertainty:
-    """The uncertainties that :data:`UNSURE` state, with their defaults where they are not given."""
+    """The uncertainties of the options :data:`UNSURE`, with defaults for those not given."""
     stated = {option.name: given.get(option.name, option.default) for option in UNSURE}
     content: dict[str, Any] = {
         "legs": {"delta_v_factor": {"lognormal_sigma": stated["spread"] / 100.0}},

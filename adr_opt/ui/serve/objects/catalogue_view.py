@@ -1,4 +1,4 @@
-"""The dropped catalogue as columns, and the mission that is made of chosen objects."""
+"""The dropped catalogue as columns, and the mission made of chosen objects."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ....sources.worth.bodies import DEFAULT
 from .import_options import ImportWanted
 
 MOST_OBJECTS = 100_000
-"""Maximum number of objects that are shown."""
+"""Maximum number of objects shown."""
 
 
 class CatalogueView:
@@ -96,7 +96,7 @@ class CatalogueView:
         """
         strange = [name for name in names if name not in self.rows]
         if strange:
-            raise InputError(f"{strange[0][:80]!r} is no object of the catalogue")
+            raise InputError(f"{strange[0][:80]!r} is not an object of the catalogue")
         return [self.records[row] for row in sorted({self.rows[name] for name in names})]
 
     def by_object(self, values: Mapping[str, float]) -> list[float | None]:
@@ -111,7 +111,7 @@ class CatalogueView:
 
 
 class MissionMade(NamedTuple):
-    """A mission with an account of its making.
+    """A mission with a record of its import.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ class MissionMade(NamedTuple):
     warnings: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """The account as JSON data."""
+        """The record as JSON data."""
         return {
             "targets": len(self.instance.targets),
             "left_out": self.counts,

@@ -1,4 +1,4 @@
-"""Dropped files of a project, and what is made of them."""
+"""Dropped files of a project: catalogue, prizes, and missions made from them."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from .import_options import in_labels, wanted_of
 from .recognise import Recognised, recognised
 
 ALONE: tuple[Content, ...] = ("errors", "ground stations", "prizes", "satcat", "uncertainty")
-"""Contents of which one file counts, the latest."""
+"""Contents of which only the latest file counts."""
 
 MOST_FILES = 100
 """Maximum number of dropped files in a project."""
 
 PrizeKind = Literal["one", "worth", "criticality"]
-"""Where prizes are from: 1 each, worths or a dropped table, or the ranking of ``import``."""
+"""Sources of prizes: 1 each, worths or a dropped table, or the ranking of ``import``."""
 
 DETAILS, PRIZES = "details.csv", "prizes.csv"
 """Files of a result of ``worth``."""
@@ -152,7 +152,7 @@ class DroppedObjects:
             (self._folder / gone.file).unlink(missing_ok=True)
 
     def _note(self, files: tuple[DroppedFile, ...], changed: DroppedFile) -> None:
-        """Note the files; worths that were computed before are of others, once these change."""
+        """Register the files, and discard worths computed from other files."""
         stale = changed.what in ("prizes", "catalogue", "satcat")
         self._session.note(files=files, worth=None if stale else self._session.worth)
 
@@ -212,10 +212,10 @@ class DroppedObjects:
         """
         view = self.view()
         if view is None:
-            raise InputError("no catalogue is there; drop a TLE or OMM file first")
+            raise InputError("there is no catalogue; drop a TLE or OMM file first")
         table = self._prizes() if prizes == "worth" else None
         if prizes == "worth" and table is None:
-            raise InputError("no worths are known; compute them, or drop a table of prizes")
+            raise InputError("worths are unknown; compute them, or drop a table of prizes")
         messages = self.of("ephemerides")
         try:
             wanted = wanted_of(options, messages=bool(messages))

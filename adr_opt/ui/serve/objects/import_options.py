@@ -1,4 +1,4 @@
-"""Options of an import as fields of a form, and what is asked by them."""
+"""Options of an import as fields of a form, and the request that they make."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..forms.options import JobOption, choice, flag, number, sign_of, text
 
 
 class ImportWanted(NamedTuple):
-    """What is asked of an import.
+    """Request for an import.
 
     Attributes
     ----------
@@ -99,13 +99,13 @@ OPTIONS: tuple[JobOption, ...] = (
     number("keep_out", "Distance kept", "m", "by a safety ellipse; 200 by default"),
     flag("ephemerides", "Fit orbits to the element sets", "which are kept beside the instance"),
 )
-"""All options but for files, of which those count that were dropped."""
+"""All options except files; dropped files are used."""
 
 LABELS = {option.sign: option.label for option in OPTIONS} | {"--prizes": "Prizes", "--oem": "OEM"}
 
 
 def wanted_of(given: dict[str, Any], *, messages: bool = False) -> ImportWanted:
-    """What values of the options ask for.
+    """The request made by values of the options.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def _checked(given: dict[str, Any]) -> dict[str, Any]:
     """Values of all options, of their types."""
     strange = sorted(given.keys() - {option.name for option in OPTIONS})
     if strange:
-        raise InputError(f"{strange[0][:40]!r} is no option of an import")
+        raise InputError(f"{strange[0][:40]!r} is not an option of an import")
     found = {}
     for option in OPTIONS:
         value = given.get(option.name, option.default)

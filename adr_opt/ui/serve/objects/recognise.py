@@ -1,4 +1,4 @@
-"""Recognition of dropped files by what is in them."""
+"""Recognition of dropped files by their content."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ....sources.file_formats import HEAD, ephemeris_format, head_of
 from ..project.record import Content
 
 MOST_BAD = 5
-"""Number of bad rows of a file that are said one by one."""
+"""Number of a file's bad rows listed one by one."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +103,8 @@ def _of_the_project(path: Path, name: str) -> Recognised:
         instance = parse_model(text, Instance, name)
         if any(instance.files_beside):
             raise InputError(
-                f"{name}: it belongs together with other files; open it by the command line, as "
-                "'serve INSTANCE'"
+                f"{name}: it refers to other files; open it from the command line, as 'serve "
+                "INSTANCE'"
             )
         return Recognised("instance", len(instance.targets), content=instance)
     if kind == "adr-opt-plan":

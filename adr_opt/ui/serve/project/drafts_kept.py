@@ -64,7 +64,7 @@ class DraftsKept:
         return Instance.load(self.folder / key / INSTANCE)
 
     def size(self, key: str) -> int:
-        """Size of the instance file [bytes]; what is linked is not counted."""
+        """Size of the instance file [bytes], linked files excluded."""
         if key not in self._sizes:
             try:
                 self._sizes[key] = (self.folder / key / INSTANCE).stat().st_size
@@ -73,7 +73,7 @@ class DraftsKept:
         return self._sizes[key]
 
     def forget(self, kept: Collection[str]) -> None:
-        """Remove all instances but some; what is none by its name stays."""
+        """Remove all instances but some; anything with another name stays."""
         with suppress(OSError):
             for path in self.folder.iterdir():
                 if path.name in kept or re.fullmatch(KEY, path.name) is None:
@@ -83,7 +83,7 @@ class DraftsKept:
 
 
 def _linked(instance: Instance, before: Path, made: Path) -> bool:
-    """Whether the files that belong to an instance could be linked from the step before."""
+    """Whether the files beside an instance could be linked from the previous step."""
     if not any(instance.files_beside):
         return False
     try:

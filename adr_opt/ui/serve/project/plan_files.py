@@ -18,7 +18,7 @@ INSTANCE, PLAN = "instance.json", "plan.json"
 FIELD = "field.json"
 """The mission for which windows were found."""
 
-EARLY = "stopped early: the best plan that was found until then"
+EARLY = "stopped early: the best plan found so far"
 
 
 NOT_LEGAL = "not legal"
@@ -26,7 +26,7 @@ NOT_LEGAL = "not legal"
 
 
 def of_plan(admitted: Admitted[Plan]) -> dict[str, Any]:
-    """Fields of a record that a plan tells."""
+    """Fields of a record from a plan."""
     instance, plan = admitted.instance, admitted.plan
     targets = {target.name for target in instance.targets}
     visited = tuple(name for name in plan.destinations if name in targets)

@@ -1,4 +1,4 @@
-"""Points of a trade-off: what each collects, and the plan that it opens."""
+"""Points of a trade-off: the prize and the plan of each."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FIELDS = {
     "thrust": "thrust_n",
     "isp": "isp_s",
 }
-"""What is varied, as points have it in SI units."""
+"""Varied limits of points, in SI units."""
 
 MILLION = 1e6
 
@@ -89,7 +89,7 @@ def plan_of_point(place: Path, point: int) -> tuple[Instance, Plan]:
     try:
         return instance, admit(instance, plan).plan
     except InputError as error:
-        raise InputError(f"point {point}: {error}; trade off anew") from None
+        raise InputError(f"point {point}: {error}; repeat the trade-off") from None
 
 
 def _files(place: Path) -> dict[int, Path]:

@@ -1,4 +1,4 @@
-"""Files and folders that only their owner can read, and that lead nowhere else."""
+"""Files and folders that only their owner can read, and that are not links."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from typing import BinaryIO
 from ....common.errors import InputError
 
 PASSING = ".passing-"
-"""Beginning of the names of files and folders that are being made; a killed server leaves them."""
+"""Prefix of unfinished files and folders, which a killed server may leave."""
 
 
 def private_file(path: Path) -> BinaryIO:
-    """A new file for writing, of mode 0600; it must not be there yet, be it as a link."""
+    """A new file for writing, of mode 0600; nothing may exist there, not even a link."""
     handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
     return os.fdopen(handle, "wb")
 
 
 def private_folder(path: Path) -> Path:
-    """A folder of mode 0700, made if it is absent.
+    """A folder of mode 0700, created if missing.
 
     Raises
     ------
@@ -34,13 +34,13 @@ def private_folder(path: Path) -> Path:
         path.mkdir(mode=0o700, exist_ok=True)
     except OSError as error:
         raise InputError(
-            f"{path}: the folder cannot be made ({error.strerror}); name another one"
+            f"{path}: the folder cannot be created ({error.strerror}); name another one"
         ) from None
     return path
 
 
 def refuse_link(path: Path) -> Path:
-    """The path, which must not be a link out of the project.
+    """The path, refused if it is a link.
 
     Raises
     ------
@@ -53,12 +53,12 @@ def refuse_link(path: Path) -> Path:
 
 
 def passing(folder: Path, suffix: str = "") -> Path:
-    """Path in a folder for something that is being made and will be moved or removed."""
+    """Path in a folder for an unfinished file, to be moved or removed."""
     return folder / f"{PASSING}{secrets.token_hex(8)}{suffix}"
 
 
 def remove_passing(folder: Path) -> None:
-    """Remove what a killed server left half-made in a folder."""
+    """Remove the unfinished files that a killed server left in a folder."""
     with suppress(OSError):
         for path in folder.glob(f"{PASSING}*"):
             if path.is_dir() and not path.is_symlink():

@@ -19,7 +19,7 @@ Key = Annotated[str, Field(pattern=KEY)]
 """Name of a folder in ``history``: the beginning of the SHA-256 of the instance in it."""
 
 FileName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$")]
-"""Name of a file in ``files``, which leads nowhere else."""
+"""Name of a file in ``files``, without path separators."""
 
 Number = Annotated[int, Field(ge=1, le=999_999)]
 """Number of a result or a job."""
@@ -35,7 +35,7 @@ Content = Literal[
     "satcat",
     "uncertainty",
 ]
-"""What a dropped file holds."""
+"""Content of a dropped file."""
 
 
 class StepRecord(Record):
@@ -84,7 +84,7 @@ class DroppedFile(Record):
 
     @property
     def number(self) -> int:
-        """The number that its name in the folder begins with."""
+        """The number at the beginning of the file's name in the folder."""
         return int(self.file.partition("-")[0])
 
 
@@ -129,11 +129,11 @@ _KEPT = (
     "verify windows worth"
 )
 KEPT_VERBS = frozenset(_KEPT.split())
-"""Verbs whose results are kept; any other folder among the results is not the project's."""
+"""Verbs whose results are kept; other folders among the results are not the project's."""
 
 
 class ResultRecord(Record):
-    """What a verb has made, as the file ``result.json`` of its folder says.
+    """The result of a verb, stored as ``result.json`` in its folder.
 
     Attributes
     ----------
@@ -183,7 +183,7 @@ class ResultRecord(Record):
 
     @property
     def has_plan(self) -> bool:
-        """Whether it holds a plan with its instance."""
+        """Whether the result holds a plan with its instance."""
         return "plan.json" in self.files and "instance.json" in self.files
 
     def to_json(self) -> str:

@@ -1,4 +1,4 @@
-"""Results of a project: each in a folder of its own, whole or not there at all."""
+"""Results of a project, each in a folder of its own, complete or absent."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .record import KEPT_VERBS, ResultRecord
 RECORD = "result.json"
 
 PLANS_READY = 32
-"""Number of plans that need not be read again."""
+"""Number of cached plans."""
 
 
 class Results:
@@ -53,7 +53,7 @@ class Results:
         self._last = 0
 
     def read(self) -> None:
-        """Read the results that are there, and remove those that a killed server left unfinished.
+        """Read the results, and remove those that a killed server left unfinished.
 
         Of a planning run the best plan so far is kept. What is no result, by the number and the
         verb in its name, is left where it is.
@@ -119,7 +119,7 @@ class Results:
         return record
 
     def drop(self, place: Path) -> None:
-        """Remove the folder of a result that came to nothing."""
+        """Remove the folder of an abandoned result."""
         shutil.rmtree(place, ignore_errors=True)
 
     def keep_plan(
@@ -175,7 +175,7 @@ class Results:
         """
         record = self.record(number)
         if not record.has_plan:
-            raise InputError(f"result {number} ({record.verb}) is no plan; name one that is")
+            raise InputError(f"result {number} ({record.verb}) is not a plan; name one that is")
         with self._lock:
             if number not in self._ready:
                 admitted = load_kept(self._places[number])
