@@ -206,9 +206,7 @@ class Timetable(Shown):
             This is the timetable of some pairs only.
         """
         if not self.is_whole:
-            raise ValueError(
-                "a timetable of some pairs cannot be reused for a variant; build that of all pairs"
-            )
+            raise ValueError("a timetable of some pairs cannot serve a variant; build all pairs")
         made = copy(self)
         bodies = np.array(self.connecting.numbers_of(instance), dtype=np.int64)
         connecting.counted_as(self.connecting)

@@ -40,9 +40,7 @@ def _refuse_doubles(problem: Prizes, moves: Sequence[int]) -> None:
     first = problem.instance.first_target
     twice = [body for body, times in Counter(moves).items() if times > 1 and body >= first]
     if twice:
-        raise InputError(
-            f"{problem.names[twice[0]]!r} is visited twice; a target is serviced only once"
-        )
+        raise InputError(f"{problem.names[twice[0]]!r} is visited twice; visit it once")
 
 
 def certify(  # noqa: PLR0913

@@ -59,9 +59,7 @@ def with_sized_kits(instance: Instance, isp_s: float, disposal: Disposal | None 
     takers = [target for target in targets if target.service.takes_kit]
     for target in takers:
         if target.mass_kg is None:
-            raise InputError(
-                f"{target.name!r}: its mass is unknown, but kits are sized by it; give its mass_kg"
-            )
+            raise InputError(f"{target.name!r}: its mass_kg is unknown, but sizes its kit; give it")
 
     def sized(dry_kg: float) -> float:
         needs = (

@@ -74,9 +74,8 @@ class Instance(Shown, InstanceFile):
             gone = sorted(set(made._given.bodies) - set(made.names))
             if gone:
                 raise InputError(
-                    f"given connections: {gone[0]!r} is one of their bodies and would be removed; "
-                    "keep it, or first give only the connections of the others "
-                    "(adr_opt.problem.given.among)"
+                    f"given connections: {gone[0]!r} is one of their bodies; keep it, or first "
+                    "give only those of the others (adr_opt.problem.given.among)"
                 )
         return made
 

@@ -28,8 +28,7 @@ from .warm_up import USUAL, PracticeKind, PracticeStop
 Taken = TypeVar("Taken")
 
 FALLBACK = "greedy-guarded"
-"""Planner that takes a millisecond; when time runs out, no planner returns a worse plan than
-its."""
+"""Planner that takes a millisecond: when time runs out, no planner returns a worse plan."""
 
 PUBLISHED = "greedy"
 """Baseline planner that never changes."""

@@ -195,9 +195,7 @@ class CrewOptions(NamedTuple):
             ("--launch-into", self.launch_into),
         ):
             if value is not None and self.launches is None:
-                raise InputError(
-                    f"{option}: nothing is launched; give the number of launches with --launches"
-                )
+                raise InputError(f"{option}: nothing is launched; give --launches as well")
         fitting = self.fitting
         fitting.check()
         self._check_thrust()

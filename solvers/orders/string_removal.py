@@ -52,8 +52,7 @@ MANY = 10
 """Ratio of iterations where all connections of a pair take about the same ΔV to those elsewhere."""
 
 AS_LONG, GROWTH, MOST_GROWTH = 4, 4, 3
-"""In the former case, number of annealings of equal length, growth of the length, and number of
-growths."""
+"""In the former case, number of annealings of equal length, its growth, and number of growths."""
 
 BY_ABSENCE, BY_REMOTENESS, BY_PRIZE = 0.3, 0.5, 0.8
 """Cumulative shares of the orders in which missing targets are reinserted: those missing most often

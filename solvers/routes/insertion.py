@@ -24,8 +24,7 @@ TIME_SPENT = 1e-3
 """Weight of the time to reach and service a target, as a tie-breaker between equal delays."""
 
 MOST_KNOWN = 600
-"""Number of nodes up to which look-ups are cached; beyond it, the cache is slower than a
-look-up."""
+"""Number of nodes up to which look-ups are cached; beyond it, a cache is slower than they are."""
 
 
 class Gaps(NamedTuple):

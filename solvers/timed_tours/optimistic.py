@@ -38,8 +38,7 @@ POINTS, FIRST_ROWS, MOST_ROWS = 400, 1_000_000, 4_000_000
 later."""
 
 SHARE = 0.5
-"""Spacing of points as a share of a leg's duration, if the initial spacing exceeds that
-duration."""
+"""Spacing of points as a share of a leg's duration, if initially longer than the leg."""
 
 
 class OptimisticLegs:

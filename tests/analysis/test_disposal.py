@@ -247,7 +247,7 @@ def test_sized_kits_hold_what_their_disposal_takes(disposal: dict[str, float]) -
         assert fate.propellant_kg == pytest.approx((target.mass_kg + whole_kg) * share, rel=0.02)
         assert fate.propellant_kg < 1.02 * (whole_kg - 12.0)
     unknown = dry.replace(targets=(targets[0].replace(mass_kg=None), *targets[1:]))
-    with pytest.raises(InputError, match="its mass is unknown"):
+    with pytest.raises(InputError, match="its mass_kg is unknown"):
         with_sized_kits(unknown, 220.0, to)
     with pytest.raises(InputError, match="give its disposal"):
         with_sized_kits(dry, 220.0)

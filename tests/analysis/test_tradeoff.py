@@ -281,7 +281,7 @@ def test_points_are_all_pairs() -> None:
         (("--vary", "delta-v=5", "--time-limit", "0"), "time limit = 0"),
         (("--vary", "delta-v=5", "--jobs", "-1"), "jobs = -1"),
         (("--vary", "delta-v=5", "--page", "x.txt"), "ends in .html"),
-        (("--vary", "delta-v=5", "--plot", "x.gif"), "SVG, PNG or PDF"),
+        (("--vary", "delta-v=5", "--plot", "x.gif"), ".svg, .png or .pdf"),
         (("--vary", "delta-v=5", "--out", "h.json"), "this is the input"),
     ],
 )

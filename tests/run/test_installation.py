@@ -87,7 +87,10 @@ def test_the_archive_of_kernels_is_told(
     monkeypatch.setattr(archive, "FILE", tmp_path / "compiled.zip")
     assert told().startswith("none in this installation")
     archive.write({"one": b"", "two": b""}, archive.FILE)
-    for serves, said in ((True, "2 kernels for processors of level"), (False, "made for processors of")):
+    for serves, said in (
+        (True, "2 kernels for processors of level"),
+        (False, "made for processors of"),
+    ):
         monkeypatch.setattr(archive, "serves_this_processor", lambda serves=serves: serves)
         assert told().startswith(said)
     archive.is_usable.cache_clear()

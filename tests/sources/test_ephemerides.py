@@ -371,7 +371,7 @@ def test_two_ephemerides_of_a_body_are_one_sentence(cli: Cli) -> None:
             "out.json",
             "--quiet",
         ),
-        "two ephemerides for the same time",
+        "two ephemerides at one time",
     )
 
 

@@ -191,7 +191,7 @@ def test_messages_state_covariances(said: str) -> None:
         (message(np.eye(6), "COV_REF_FRAME = TNW"), "REF_FRAME = TNW: must be"),
         (message(np.eye(6), last=5), "a covariance has 5 rows; it must have six"),
         (message(-np.eye(6), "COV_REF_FRAME = RTN"), "has a negative variance"),
-        (message(np.eye(6), "SIGMA = 2"), "SIGMA is not a keyword of covariances"),
+        (message(np.eye(6), "SIGMA = 2"), "SIGMA is no covariance keyword"),
         (message(np.eye(6)).replace("= a", "= other"), "no covariance of a body of"),
         (message(np.full((6, 6), np.nan)), "is not a row of 1 numbers of a covariance"),
     ],

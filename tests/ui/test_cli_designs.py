@@ -152,7 +152,7 @@ def test_plans_are_written_without_reports_where_charts_are_not_installed(
         ((*VARY, *COSTS, "--worth", "w.json", "--out", "w.json"), "w.json: this is the input"),
         ((*VARY, *COSTS, "--frontier", "f.csv"), "--frontier: designs have none"),
         ((*VARY, *COSTS, "--page", "d.txt"), "d.txt: the page is HTML"),
-        ((*VARY, *COSTS, "--plot", "d.txt"), "d.txt: pictures are SVG"),
+        ((*VARY, *COSTS, "--plot", "d.txt"), "d.txt: pictures end in .svg"),
         ((*VARY, *COSTS, "--plans", "i.json"), "i.json: this is a file"),
         ((*VARY, *COSTS, "--plans", "no/where"), "no/where: the folder no does not exist"),
         ((*VARY, "--launch-cost", "-1"), "price of a launch: -1 euros"),

@@ -166,17 +166,17 @@ def test_a_plan_for_the_expected_prize_says_so(planned, cli: Cli, tiny_file) -> 
         (("--expected",), "--expected needs --uncertainty"),
         (
             ("--expected", "--confidence", 0.9, "--uncertainty", "u.json"),
-            "--expected cannot be combined with --confidence",
+            "--expected excludes --confidence",
         ),
         (
             ("--expected", "--uncertainty", "u.json", "--bound", "exact"),
-            "--bound cannot be combined with --expected",
+            "--bound excludes --expected",
         ),
         (("--confidence", 1.0, "--uncertainty", "u.json"), "confidence = 1.0"),
         (("--confidence", 0.9, "--uncertainty", "none.json"), "none.json"),
         (
             ("--confidence", 0.9, "--uncertainty", "u.json", "--margin", 0.1),
-            "--margin cannot be combined with --confidence",
+            "--margin excludes --confidence",
         ),
     ],
 )

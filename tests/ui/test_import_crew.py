@@ -179,7 +179,7 @@ def test_kits_are_sized_by_what_they_lead_to(imported) -> None:
     ]
     assert instance.chaser.kit_mass_kg == pytest.approx(20.0 + max(needs))
     assert imported(*MASSES, *kits).err.endswith(
-        "its mass is unknown, but kits are sized by it; give its mass_kg\n"
+        "its mass_kg is unknown, but sizes its kit; give it\n"
     )
 
 

@@ -153,10 +153,7 @@ def fates(
             f"most_uncontrolled_kg = {most_uncontrolled_kg:g}: must be a mass of at least 0"
         )
     if not instance.has_orbits or instance.given is not None:
-        raise InputError(
-            f"{instance.name!r} has given connections, so that its orbits are unknown; use an "
-            "instance with the model's"
-        )
+        raise InputError(f"{instance.name!r} has given connections, so its orbits are unknown")
     judge = _Rules(instance, years, most_uncontrolled_kg, debris or Debris(), kit_isp_s)
     return tuple(
         fate

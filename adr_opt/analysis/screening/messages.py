@@ -44,10 +44,7 @@ def conjunction_message(approach: CloseApproach, errors: Mapping[str, PositionEr
     for role, of_it in names.items():
         found = errors_of(errors, *of_it)
         if found is None:
-            raise InputError(
-                f"{of_it[0]!r}: its position errors are unknown, but a message must state them; "
-                "give them"
-            )
+            raise InputError(f"{of_it[0]!r}: its errors are unknown, but a message must state them")
         known[role] = found
     return "\n".join(_lines(approach, known)) + "\n"
 

@@ -213,8 +213,7 @@ def _drives(
         )
     if "isp" in by_kind and "propellant" in by_kind:
         raise InputError(
-            "vary isp or propellant: points are identified by the ΔV of a tank, which both change; "
-            "vary one of them"
+            "vary isp or propellant: both change the ΔV of a tank, which identifies points"
         )
     thrusts, impulses = (
         by_kind[kind].values if kind in by_kind else (None,) for kind in ("thrust", "isp")

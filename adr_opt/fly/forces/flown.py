@@ -118,8 +118,7 @@ def correction_m_s(last: LastLap, goal: Array, fly: Fly) -> float | None:
 
 
 BODY_STEPS = 72
-"""Steps per revolution of bodies: errors of some metres a week, where forces move them
-kilometres."""
+"""Steps per revolution of bodies: errors of metres a week, where forces move them kilometres."""
 
 
 class Acting(NamedTuple):

@@ -38,10 +38,7 @@ class UtcClock:
         """
         times = np.atleast_1d(np.asarray(times_s, dtype=float))
         if not bool(np.all((times >= self._first_s) & (times < self._last_s))):
-            raise InputError(
-                "the plan leaves the years 1 to 9999, for which calendar times exist; change the "
-                "epoch"
-            )
+            raise InputError("the plan leaves the years 1 to 9999 of calendar times")
         ticks = np.rint(times * MICROSECONDS).astype("timedelta64[us]")
         return [str(label) for label in np.datetime_as_string(self._epoch + ticks, unit="us")]
 

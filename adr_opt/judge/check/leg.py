@@ -196,10 +196,7 @@ def _check_launch(
         yield Violation(number, "launch", f"launched at {leg.origin!r}, where no launch starts")
     elif leg.kind != LAUNCH.name:
         yield Violation(
-            number,
-            "launch",
-            f"is {leg.kind!r}, but its origin {leg.origin!r} is not in orbit yet: the first leg "
-            "must be a launch",
+            number, "launch", f"is {leg.kind!r}, but {leg.origin!r} is not in orbit yet"
         )
     if leg.departure_s < free - SLACK_S:
         yield Violation(number, "departure", "leaves before the chaser is ready")

@@ -125,11 +125,7 @@ def _errors(
     wanted = float(node_to_turn(nearer, times, speed, nearer.speed * tilts[0]))
     turns = round((sum(nodes) - wanted) / (2.0 * math.pi))
     still = wanted + 2.0 * math.pi * turns - sum(nodes)
-    yield (
-        nearer.speed * nearer.sine * still,
-        NODE_M_S,
-        "the change of the node is incomplete by [m/s]",
-    )
+    yield (nearer.speed * nearer.sine * still, NODE_M_S, "the node's change is incomplete by [m/s]")
     whole = nearer._replace(
         node=nearer.node + 2.0 * math.pi * turns,
         ahead=nearer.ahead + nearer.cosine * 2.0 * math.pi * turns,
@@ -165,11 +161,7 @@ def _costs(
     times = tuple(arc.end_s - arc.start_s for arc in arcs)
     needed, _ = settled((times[0], times[1]), steered, costs[0], costs[1])
     for time, least in zip(times, needed, strict=True):
-        yield (
-            time - least,
-            TIMES * whole.span,
-            "the duration of an arc differs from that of its thrust by [s]",
-        )
+        yield (time - least, TIMES * whole.span, "the times of an arc and its thrust differ by [s]")
 
 
 def _steered(

@@ -110,9 +110,7 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         now = _Followed(chaser.start_name, free, tank, chaser, drawn)
         if chaser.kits is not None and kits > chaser.kits:
             yield Violation(
-                None,
-                "kits",
-                f"{chaser.name!r} leaves {kits} kits at targets, but may carry {chaser.kits}",
+                None, "kits", f"{chaser.name!r} leaves {kits} kits, but may carry {chaser.kits}"
             )
         drive = drive_of(chaser, instance.targets)
         if drive not in physics:
@@ -211,9 +209,7 @@ def _check_order(
     if leg.destination in bodies.stations:
         if now.since_refuelling == 0:
             yield Violation(
-                number,
-                "refuelling",
-                "refuels again, but no target was visited since the last refuelling",
+                number, "refuelling", "refuels again without a visit to a target in between"
             )
     elif leg.destination not in bodies.windows:
         yield Violation(number, "order", f"{leg.destination!r} is neither a target nor a station")
@@ -259,8 +255,7 @@ def _check_leg_time(
         yield Violation(
             number,
             "leg-time",
-            f"arrives {arrival - now.arrived!r} s after the previous arrival, but may take "
-            f"{most!r} s",
+            f"arrives {arrival - now.arrived!r} s after the last arrival, but may take {most!r} s",
         )
 
 
@@ -363,9 +358,7 @@ def _check_tank(
         tank.tow(towed.delta_v_m_s, towed.mass_kg, towed.back_m_s)
         if tank.left_m_s < -SLACK_M_S:
             yield Violation(
-                number,
-                "delta-v",
-                f"tows {leg.destination!r}, but has too little ΔV left for the tow",
+                number, "delta-v", f"tows {leg.destination!r}, but has too little ΔV for that"
             )
     left = tank.left_m_s
     if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:

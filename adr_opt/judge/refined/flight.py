@@ -229,9 +229,7 @@ def _check_states(leg: RefinedLeg, passed: list[_Passed]) -> Iterator[Violation]
         for (_, stated_s), (_, true_s) in zip(stated, true, strict=True)
     ):
         yield Violation(
-            leg.leg,
-            "state",
-            "its states must be those at its departure and after each of its burns",
+            leg.leg, "state", "its states must be those at departure and after each burn"
         )
         return
     for number, (one, known) in enumerate(zip(leg.states, passed, strict=True), start=1):
@@ -254,11 +252,7 @@ def _check_released(
     number = judge.leg.leg
     yield from _off(number, "release", _array(tow.released), led.state, "where the tow leads")
     if tow.released.event != "release":
-        yield Violation(
-            number,
-            "release",
-            f"the event of its state must be 'release', and is {tow.released.event!r}",
-        )
+        yield Violation(number, "release", f"its state is {tow.released.event!r}, not 'release'")
     if not judged:
         return
     disposal = judge.instance.disposal_of(judge.target(name))

@@ -76,9 +76,7 @@ def check_legs(instance: Instance, plan: Plan, refined: RefinedPlan) -> Iterator
                 yield from _check_leg(known[number], leg, before, name)
                 yield from _check_phases(known[number], leg, refined.freedom)
             elif number not in reasons:  # one that the file says to be missing claims nothing
-                yield Violation(
-                    number, "missing", "it is not refined, but is not listed as missing"
-                )
+                yield Violation(number, "missing", "it is neither refined nor listed as missing")
             before = leg
     for number in sorted(set(known) - wanted):
         yield Violation(number, "extra", "the plan has no such leg to be refined")

@@ -180,10 +180,7 @@ def _compared(plan: Plan | None, cost: ProvenCost) -> list[str]:
     if plan is None or plan.cost_bound is None:
         return []
     if plan.objective < cost.prize * (1.0 - RELATIVE):
-        return [
-            f"the cost part covers plans that collect {cost.prize:.15g}, and this plan collects "
-            "less"
-        ]
+        return [f"the cost part is about plans that collect {cost.prize:.15g}; this one does not"]
     follows = f"none costs less than {cost.bound:.15g} m/s"
     if plan.cost < cost.bound * (1.0 - RELATIVE):
         return [f"the plan costs {plan.cost:.15g} m/s, but {follows}: one of them is wrong"]

@@ -92,9 +92,7 @@ def worth_of_floors(instance: Instance, certificate: Certificate, missed: Fracti
     prices = certificate.floors
     assert prices is not None
     if certificate.walks or certificate.multipliers:
-        raise InputError(
-            "field floors: a bound rests either on walks or on floors; leave one of them out"
-        )
+        raise InputError("field floors: a bound rests on walks or on floors; leave one out")
     _refuse(instance)
     shares = [_share(instance, chaser, prices.ballast_kg) for chaser in instance.chasers]
     if not prices.alone:

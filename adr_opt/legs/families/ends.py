@@ -29,8 +29,7 @@ from ..service_limits import services_s, windows_at
 from .family import FloatArray, PairEnds, PiecedEnd
 
 SPARE_S = 7200.0
-"""Time by which the last departure precedes a body's sinking too low: legs on a grid leave a
-revolution later [s]."""
+"""Margin of a last departure before a body is too low: legs on a grid leave a lap later [s]."""
 
 RELEASE_M, RELEASE_SPARE_M = 10e3, 100.0
 """Largest distance of a release from the circle of disposal, as in `check`, and the margin in it

@@ -98,15 +98,11 @@ class Crew:
         if self.service_s is not None and not 0.0 <= self.service_s < math.inf:
             raise InputError(f"service = {self.service_s:g} s: must not be negative")
         if self.kit_mass_kg > 0.0 and self.kits is None:
-            raise InputError(
-                f"kit mass = {self.kit_mass_kg:g} kg: there are no kits; give their number"
-            )
+            raise InputError(f"kit mass = {self.kit_mass_kg:g} kg: there are no kits; give some")
         if self.towed_kg is not None and self.kits is not None:
             raise InputError("a target takes a kit or is towed; give kits or a mass to tow")
         if self.kit_isp_s is not None and self.kits is None:
-            raise InputError(
-                f"kit_isp_s = {self.kit_isp_s:g}: there are no kits; give their number"
-            )
+            raise InputError(f"kit_isp_s = {self.kit_isp_s:g}: there are no kits; give some")
         if (self.towed_kg is None and self.kit_isp_s is None) != (self.disposal is None):
             raise InputError("a tow needs a mass and a disposal orbit; give both or none")
         if self.towed_kg is not None and not isinstance(self.tank, TankByMass):
@@ -162,8 +158,7 @@ class Crew:
         if last_s >= duration_s:
             raise InputError(
                 f"launch {self.launches} is on day {last_s / DAY_S:g}, and the mission ends on day "
-                f"{duration_s / DAY_S:g}; launch fewer, launch more often, or let the mission last "
-                "longer"
+                f"{duration_s / DAY_S:g}; launch fewer, more often, or in a longer mission"
             )
         return tuple(
             one.replace(

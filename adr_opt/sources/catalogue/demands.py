@@ -175,10 +175,7 @@ class Demands:
                 continue
             its = fields.setdefault(number, {})
             if its.get("required") and wish.fields.get("required") is False:
-                raise InputError(
-                    f"{wish.source}: {label} is marked as not required, but --must names it; "
-                    "remove one of the two"
-                )
+                raise InputError(f"{wish.source}: {label} is not required, but named by --must")
             its |= wish.fields
         return left_out
 

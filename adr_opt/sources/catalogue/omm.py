@@ -261,8 +261,7 @@ def _epoch(fields: Mapping[str, Any]) -> datetime:
     # An epoch with decimals says the same, to as many as it has.
     if decimals and abs((completed - epoch).total_seconds()) > 10.0**-decimals:
         raise RowError(
-            f"field EPOCH_MICROSECONDS = {apart}: EPOCH = {shown(given)} has microseconds, too; "
-            "keep one"
+            f"field EPOCH_MICROSECONDS = {apart}: EPOCH = {shown(given)} has them, too; keep one"
         )
     return completed
 

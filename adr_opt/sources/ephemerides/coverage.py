@@ -85,9 +85,8 @@ class Coverage:
         for before, after in zip(self.spans, self.spans[1:], strict=False):
             if after.begin < before.end - CLOSE_S:
                 raise InputError(
-                    f"{after.segment.where}: {body!r} has two ephemerides for the same time, the "
-                    f"other in {before.segment.source}, line {before.segment.line}; give one of "
-                    "them"
+                    f"{after.segment.where}: {body!r} has two ephemerides at one time, the other "
+                    f"in {before.segment.source}, line {before.segment.line}; give one of them"
                 )
 
     def check(self, begin_s: float, end_s: float) -> None:

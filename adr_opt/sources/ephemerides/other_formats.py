@@ -61,9 +61,7 @@ def read_stk(text: str, source: str) -> MessageSegment:
         elif keyword in KEYWORDS and keyword not in said and values:
             said[keyword] = " ".join(values).strip('"')
         else:
-            raise InputError(
-                f"{where} with {shown(line.strip())!r}, which is not supported; {INSTEAD}"
-            )
+            raise InputError(f"{where} with {shown(line.strip())!r}, not supported; {INSTEAD}")
     return segment_of(source, 1, _fields(said, source, rows), _labelled(said, source, rows))
 
 

@@ -91,9 +91,7 @@ def _error(
             date = instance.epoch + timedelta(seconds=since_s)
             own = Frame(name="TEME", axes_epoch=date)
         if instance.frame is None:
-            raise InputError(
-                "its axes are inertial, but the instance names no frame; give the instance a frame"
-            )
+            raise InputError("it is inertial, but the instance names no frame; give it one")
         turn = rotation(own, instance.frame)
         if turn is not None:
             both = np.kron(np.eye(2), turn)
@@ -118,9 +116,7 @@ def _covariances(segment: MessageSegment) -> Iterator[StatedCovariance]:
         elif is_field and keyword.strip() == "COV_REF_FRAME":
             frame = value.strip().upper()
         elif is_field:
-            raise InputError(
-                f"{segment.where}: {shown(keyword.strip())} is not a keyword of covariances"
-            )
+            raise InputError(f"{segment.where}: {shown(keyword.strip())} is no covariance keyword")
         else:
             rows.append(_row(segment, line, len(rows) + 1))
         if len(rows) == 6:

@@ -27,9 +27,7 @@ if TYPE_CHECKING:
 )
 @param.number("--survives", "SHARE", "Share of a mass that reaches the ground; default 0.094.")
 @param.number("--piece", "KG", "Mass of a surviving piece; default 20.5.", "piece_kg")
-@param.number(
-    "--piece-area", "M2", "Cross-section of a surviving piece; default 0.105.", "piece_m2"
-)
+@param.number("--piece-area", "M2", "Area of a surviving piece; default 0.105.", "piece_m2")
 @param.number("--fails", "SHARE", "Chance that a controlled re-entry fails; default 0.1.")
 @param.number(
     "--kit-isp", "S", "Specific impulse of kits.", "kit_isp_s", default=220.0, show_default=True

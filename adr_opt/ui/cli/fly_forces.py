@@ -25,11 +25,7 @@ FLOWN = "flown with all forces"
 
 OPTIONS = (
     ("--area-mass", "M2_KG", "Cross-section of a chaser over its mass; default 0.01."),
-    (
-        "--target-area-mass",
-        "M2_KG",
-        "Cross-section of targets over their mass; by default that of the chaser.",
-    ),
+    ("--target-area-mass", "M2_KG", "Area over mass of targets; by default the chaser's."),
     ("--cd", "NUMBER", "Drag coefficient; default 2.2."),
     ("--cr", "NUMBER", "Coefficient of radiation pressure; default 1.3."),
 )

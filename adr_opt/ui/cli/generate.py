@@ -19,11 +19,7 @@ if TYPE_CHECKING:
 @click.command("generate", short_help="Draw an instance of a family.")
 @click.argument("family", shell_complete=complete.families)
 @click.option(
-    "--seed",
-    type=int,
-    default=0,
-    show_default=True,
-    help="Seed of the instance; the same seed draws the same file.",
+    "--seed", type=int, default=0, show_default=True, help="Seed; equal seeds draw equal files."
 )
 @param.count("--targets", "N", "Number of targets; by default the family's.")
 @param.count("--zones", "N", "Number of keep-out zones.", default=0)

@@ -34,12 +34,8 @@ crew_options = param.together(
         "Least interval between launches, whose times are then optimised.",
     ),
     param.word("--launch-into", "KM,DEG", "Altitude and inclination of the launch orbit."),
-    param.word(
-        "--launcher", "KM=KG,...", "Mass that the launcher lifts to each altitude, kits included."
-    ),
-    param.number(
-        "--end-of-life", "M_S", "ΔV that each chaser keeps for its own disposal; no default."
-    ),
+    param.word("--launcher", "KM=KG,...", "Mass lifted to each altitude, with kits."),
+    param.number("--end-of-life", "M_S", "ΔV kept by each for its own disposal; no default."),
     param.word(
         "--expense",
         "FIXED[,PER_KG[,PER_KG2]]",
@@ -51,10 +47,7 @@ crew_options = param.together(
         "--service-days", "D", "Duration of each service; by default one revolution of the target."
     ),
     param.many(
-        "--deadline",
-        "OBJECT=DAYS",
-        "Latest end of an object's service; repeatable.",
-        name="deadlines",
+        "--deadline", "OBJECT=DAYS", "Latest end of a service; repeatable.", name="deadlines"
     ),
     param.many(
         "--require",
@@ -63,16 +56,10 @@ crew_options = param.together(
         name="required",
     ),
     param.many(
-        "--must",
-        "OBJECT[,OBJECT...]",
-        "Object that must be serviced, regardless of filters.",
-        name="musts",
+        "--must", "OBJECT[,OBJECT...]", "Required objects, regardless of filters.", name="musts"
     ),
     param.many(
-        "--exclude",
-        "OBJECT[,OBJECT...]",
-        "Object that must not be a target; repeatable.",
-        name="excluded",
+        "--exclude", "OBJECT[,OBJECT...]", "Objects to exclude; repeatable.", name="excluded"
     ),
     param.file(
         "--prizes",

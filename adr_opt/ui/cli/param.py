@@ -79,9 +79,7 @@ method = word(
 )
 satcat = file("--satcat", "satcat.tsv of the General Catalog, for masses and sizes.", "satcat_path")
 measures = file(
-    "--table",
-    "CSV file with columns object,mass,size, preferred to the other sources.",
-    "table_path",
+    "--table", "CSV file with columns object,mass,size, preferred to others.", "table_path"
 )
 activity = choice(
     "--activity",
@@ -95,11 +93,7 @@ exclude = many(
 )
 skip_bad = flag("--skip-bad", "Skip bad rows, and count them.")
 seed = click.option(
-    "--seed",
-    type=int,
-    default=0,
-    show_default=True,
-    help="Seed of random choices; the same seed gives the same result.",
+    "--seed", type=int, default=0, show_default=True, help="Seed; equal seeds, equal results."
 )
 
 
@@ -129,12 +123,6 @@ def fitting_options(usual: str) -> Callable[[Function], Function]:
             "--disposal-altitude", "KM", "Altitude of the circular orbit that targets are towed to."
         ),
         number("--disposal-perigee", "KM", "Altitude to which perigees are lowered instead."),
-        number(
-            "--max-lifetime", "YEARS", "Longest time of a released target in orbit; no default."
-        ),
-        number(
-            "--max-uncontrolled",
-            "KG",
-            "Mass above which targets re-enter under control; no default.",
-        ),
+        number("--max-lifetime", "YEARS", "Longest lifetime after release; no default."),
+        number("--max-uncontrolled", "KG", "Heavier targets re-enter under control; no default."),
     )

@@ -250,13 +250,9 @@ refine_options = param.together(
     param.many(
         "--screen", "FILE", "Catalogue whose objects the refined plan avoids; repeatable.", "screen"
     ),
-    param.number(
-        "--avoid", "M", "Miss distance up to which objects are avoided; default 1000.", "avoid_m"
-    ),
-    param.number(
-        "--avoid-probability", "P", "Probability of collision above which objects are avoided."
-    ),
-    param.file("--errors", "CSV file of covariances and radii, for --probability.", "errors_path"),
+    param.number("--avoid", "M", "Avoid approaches within this; default 1000.", "avoid_m"),
+    param.number("--avoid-probability", "P", "Avoid approaches at or above this probability."),
+    param.file("--errors", "CSV file of covariances and radii, for probabilities.", "errors_path"),
 )
 """The options of refining, for ``solve``."""
 

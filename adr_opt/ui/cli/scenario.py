@@ -25,9 +25,7 @@ ROWS = 11
 
 @click.command("scenario", short_help="Decades of campaigns, with removals and without.")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
-@param.file(
-    "--campaign", "Instance of a campaign, repeated on the objects then in orbit.", "campaign_path"
-)
+@param.file("--campaign", "Instance of a campaign, repeated on objects in orbit.", "campaign_path")
 @click.option("--years", type=int, default=30, show_default=True, help="Years, at most 200.")
 @param.count(
     "--every", "YEARS", "Years from one campaign to the next.", default=1, show_default=True

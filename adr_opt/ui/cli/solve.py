@@ -74,9 +74,7 @@ class Uncertain:
         both = {"--expected": self.expected and self.confidence is not None}
         for option, is_given in (both | others).items():
             if self.asked and is_given:
-                raise InputError(
-                    f"{option} cannot be combined with {self.asked}; leave one of them out"
-                )
+                raise InputError(f"{option} excludes {self.asked}; leave one of them out")
 
 
 uncertain_options = param.together(

@@ -29,9 +29,7 @@ def check_picture(path: str | None) -> None:
     if path is None:
         return
     if not path.lower().endswith((".svg", ".png", ".pdf")):
-        raise InputError(
-            f"{path}: pictures are SVG, PNG or PDF; give a file with one of these suffixes"
-        )
+        raise InputError(f"{path}: pictures end in .svg, .png or .pdf; rename it")
     try:
         import matplotlib  # noqa: F401
     except ImportError:

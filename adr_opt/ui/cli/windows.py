@@ -40,20 +40,12 @@ if TYPE_CHECKING:
 @param.number(
     "--mask", "DEG", "Least elevation of a contact.", "mask_deg", default=5.0, show_default=True
 )
-@param.many("--within", "FILE", "CSV file of other windows to intersect with; repeatable.")
+@param.many("--within", "FILE", "CSV file of further windows; repeatable.")
 @param.number("--margin", "S", "Margin cut off both ends of windows.", "margin_s", default=0.0)
-@param.number(
-    "--capture",
-    "S",
-    "Duration of a capture, which must fit into a window.",
-    "capture_s",
-    default=0.0,
-)
+@param.number("--capture", "S", "Duration of a capture, within a window.", "capture_s", default=0.0)
 @param.flag("--ephemerides", "Use the ephemerides beside INSTANCE.")
 @param.file("--out", "CSV file of windows to write: target,opens_s,closes_s.")
-@param.file(
-    "--into", "Instance to write with these windows, which are in the file of --out beside it."
-)
+@param.file("--into", "Instance to write with these windows, beside their file --out.")
 @param.as_json
 @param.quiet
 def command(
