@@ -50,8 +50,8 @@ class _Leg(NamedTuple):
 def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> Plan:
     """Make a plan of chosen departures, and judge it by :func:`adr_opt.check`.
 
-    Burns, services, refuelling, tows, tanks and the reasons of targets that are left out follow
-    from the departures.
+    Burns, services, refuelling, tows, tanks and the reasons for targets left out follow from the
+    departures.
 
     Parameters
     ----------
@@ -68,12 +68,12 @@ def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> 
         - ``body``: any connection.
 
         The departure of a launch is also its arrival, and may be later than the first possible one.
-        Of all that legs leave open, the schedule of least cost is taken, as of an order of bodies.
+        Whatever legs leave open is scheduled at least cost, as for an order of bodies.
         Stations are for refuelling. The chaser waits until a leg departs. A refuelling that nothing
         follows is left out, as in all plans, and a way back is added where the mission has to end
         at a station and no leg leads there.
     method : str
-        Stands in the plan as its method.
+        Method stated in the plan.
 
     Returns
     -------

@@ -36,7 +36,7 @@ class MissingExtra(InputError):
     Parameters
     ----------
     what : str
-        What was asked for, "flying a plan" for example.
+        The requested operation, for example "flying a plan".
     package : str
         The package that is missing.
     extra : str

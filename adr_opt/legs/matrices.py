@@ -28,11 +28,11 @@ class Matrices(Shown):
     duration : (departures, bodies, bodies) float64
         From ready to arrival: wait, transfer, approach; without service [s].
     choice : str
-        Which transfer they are of, in words.
+        The choice of transfers, in words.
 
-    Both are +inf where there is no transfer and 0 on the diagonal. Two are equal if they are so to
-    the last digit, their choice included; :meth:`allclose` allows for rounding. They hold arrays
-    that may be written to, and have no hash.
+    ``delta_v`` and ``duration`` are +inf where there is no transfer, and 0 on the diagonal. Two
+    objects are equal if all digits and the choice are equal; :meth:`allclose` allows for rounding.
+    The arrays are writable, so objects have no hash.
     """
 
     departures: FloatArray
@@ -56,16 +56,16 @@ class Matrices(Shown):
     def allclose(
         self, other: Matrices, *, delta_v_m_s: float = SLACK_M_S, time_s: float = SLACK_S
     ) -> bool:
-        """Whether both have equal bodies, departures and costs, within tolerances.
+        """Whether two objects have equal bodies, departures and costs, within tolerances.
 
-        Which transfer was chosen is not compared, only what it costs; where one has no transfer
-        the other must have none either.
+        Costs are compared, not the choice of transfers; if one has no transfer, the other must have
+        none either.
 
         Parameters
         ----------
         other : Matrices
         delta_v_m_s, time_s : float
-            Most that each ΔV [m/s], and each departure and duration [s], may differ by; by default
+            Largest difference of each ΔV [m/s], and of each departure and duration [s]; by default
             the slack of the model.
         """
         if self.names != other.names or self.delta_v.shape != other.delta_v.shape:

@@ -47,9 +47,9 @@ FOLLOWS = Follower("a timetable", JUDGED)
 class Timetable(Shown):
     """The transfers of an instance: the one chosen at each time, and all connections of a pair.
 
-    What a chaser takes that is ready at a time, and does not look ahead, is a choice among all
-    connections that depart then or later (docs/model.md section 4); the table holds that of one
-    value of time, exactly.
+    A chaser that is ready at a time and does not look ahead chooses among all connections that
+    depart then or later (docs/model.md section 4); the table holds the choice for one value of
+    time, exactly.
 
     Parameters
     ----------
@@ -57,23 +57,24 @@ class Timetable(Shown):
     threads : int, optional
         Threads to build with; all cores by default. The table does not depend on it.
     pairs : Pairs, optional
-        Of which pairs, and in which order, where others need not be there; all by default.
+        Pairs to build, in this order; all by default.
     most : int, optional
-        Maximum number of them, from the first on.
+        Maximum number of these pairs, from the first on.
     enough : callable, optional
-        Asked every few ten milliseconds with the share that is built of the table of all pairs.
-        Once it says so, the table is that of the pairs that are there by then.
+        Called every few tens of milliseconds with the share of all pairs that is built. Once it
+        returns True, the table keeps the pairs built so far.
     time_value_m_s_per_h : float, optional
-        What an hour is worth: of all connections that depart at a time or later, the table holds
-        the one with the least ΔV + value · (arrival − ready); the instance's by default [m/s].
+        Value of an hour: of all connections that depart at a time or later, the table holds the one
+        with the least ΔV + value · (arrival − ready); by default the instance's [m/s per h].
     connecting : ConnectionFinder, optional
-        Of the instance, if there is one already: what it keeps is not worked out again.
+        Finder of the instance's connections, if one exists already; its cached connections are
+        reused.
     chaser : int, optional
-        Number of the one that the choice of transfers is for: when it is there. By default for the
-        times in which some chaser is.
+        Number of the chaser whose availability limits the choice of transfers. By default the
+        availability of any chaser does.
     asked : Neighbours, optional
-        Nothing is built: what is chosen is worked out on demand (:attr:`is_on_demand`), and these
-        are the pairs that searches look at. Only where
+        Nothing is built: chosen connections are computed on demand (:attr:`is_on_demand`), and
+        these are the pairs that searches examine. Only if
         :attr:`~.connection_finder.ConnectionFinder.may_be_on_demand` says so.
 
     Attributes
@@ -92,7 +93,7 @@ class Timetable(Shown):
     Raises
     ------
     InputError
-        There is not enough memory. Or a time value that is no number ≥ 0.
+        There is not enough memory, or the time value is not a number ≥ 0.
     """
 
     def __init__(  # noqa: PLR0913
@@ -195,8 +196,8 @@ class Timetable(Shown):
         Parameters
         ----------
         instance : Instance
-            With other prizes, with other tanks, or with fewer targets, where that changes no
-            connection: :func:`adr_opt.run.reused_timetable.serves` says whether.
+            With other prizes, other tanks or fewer targets, if that changes no connection: see
+            :func:`adr_opt.run.reused_timetable.serves`.
         connecting : ConnectionFinder
             Of that instance.
 
@@ -229,7 +230,7 @@ class Timetable(Shown):
     ) -> Timetable:
         """A timetable from given connections in rows.
 
-        Its :attr:`instance` knows of them: it can be planned, checked and saved.
+        Its :attr:`instance` holds them, and can be planned, checked and saved.
 
         Parameters
         ----------
@@ -270,10 +271,10 @@ class Timetable(Shown):
         instance, file
             As :meth:`from_connections` takes them.
         departures : (departures,) float
-            Since the epoch, each later than the one before [s].
+            Times since the epoch, each later than the previous one [s].
         duration, cost : (departures, bodies, bodies) float
-            By departure, origin and destination: how long it takes [s] and what it costs [m/s by
-            convention]; +inf, or NaN in both, where there is no connection.
+            Durations [s] and costs [m/s by convention] by departure, origin and destination; +inf,
+            or NaN in both, where there is no connection.
 
         Raises
         ------
@@ -305,10 +306,10 @@ class Timetable(Shown):
             two arrays, (destinations,) or (choices, destinations); +inf for no connection. Python,
             or compiled by Numba.
         departures : (departures,) float
-            When it is asked, each later than the one before [s].
+            Times at which it is evaluated, each later than the previous one [s].
         resolution_m_s : float
-            Of the connections found, those are dropped that save no more than this against another
-            one that departs no earlier and arrives no later.
+            Connections are dropped that save no more than this against another one that departs no
+            earlier and arrives no later.
 
         Raises
         ------
@@ -374,8 +375,8 @@ class Timetable(Shown):
     ) -> tuple[float, float]:
         """The transfer chosen for a chaser that is ready at ``origin`` at ``time_s``.
 
-        Of all connections that depart then or later, when a chaser is there, and leave time for
-        service within the window of the destination, the one with the least ΔV + time value · (time
+        Among all connections that depart then or later, while a chaser is available, and leave time
+        for service within the window of the destination, it has the least ΔV + time value · (time
         until service may begin).
 
         Returns
@@ -404,11 +405,10 @@ class Timetable(Shown):
     ) -> Connections:
         """Every transfer of a pair that may be worth waiting for.
 
-        Other than :meth:`lookup`, which tells one that a time value picks, these are *all*
-        sequences of all departure events but those that another one dominates: it departs no
-        earlier, arrives no later and costs no more (:mod:`adr_opt.kernels.legs.connections`). They
-        arrive before the end of the mission; windows are not looked at. Worked out for this pair
-        on every call.
+        Unlike :meth:`lookup`, which returns the one chosen by a time value, these are *all*
+        sequences of all departure events, except dominated ones: another departs no earlier,
+        arrives no later and costs no more (:mod:`adr_opt.kernels.legs.connections`). They arrive
+        before the end of the mission; windows are ignored. Computed for this pair on every call.
 
         Parameters
         ----------
@@ -439,8 +439,8 @@ class Timetable(Shown):
     ) -> AllConnections:
         """The :meth:`connections` of all pairs of bodies, in arrays.
 
-        Worked out on every call, in threads. Of 50 targets over a week there are five million, of
-        34 bytes each.
+        Computed on every call, in threads. For 50 targets over a week there are five million, of 34
+        bytes each.
 
         Parameters
         ----------
@@ -484,9 +484,9 @@ class Timetable(Shown):
             Times since the epoch at which the chaser is ready [s].
         choose : {"earliest", "cheapest"} or float, optional
             Choose one of all :meth:`connections` that depart at the ready time or later: the one
-            that arrives first, the one that costs least, or the one with the least ΔV plus this
-            m/s per hour until arrival. Windows are not looked at. By default what :meth:`lookup`
-            tells, which looks at them. Waiting counts to the duration.
+            that arrives first, the one that costs least, or the one with the least ΔV plus this m/s
+            per hour until arrival. Windows are ignored. By default the choice of :meth:`lookup`,
+            which respects them. Waiting is part of the duration.
 
         Raises
         ------

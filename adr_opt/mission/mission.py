@@ -49,17 +49,17 @@ class Mission(Shown, Prizes):
     threads : int, optional
         Threads to build the timetable with; all cores by default.
     margin : float
-        Share of each tank that is kept back: planners and bounds see the rest only.
+        Share of each tank held in reserve: planners and bounds see only the rest.
     time_value_m_s_per_h : float, optional
-        What an hour is worth to planners that choose one connection for each move without looking
-        ahead; the instance's by default [m/s per h].
+        Value of an hour to planners that choose one connection per move without lookahead; by
+        default the instance's [m/s per h].
     chaser : int, optional
         Number of the chaser that flies, where there are several.
     connecting : ConnectionFinder, optional
-        Of the instance, if there is one already.
+        Finder of the instance's connections, if one exists already.
     twin : Mission, optional
-        That of a chaser of the same instance that is there at the same times: timetables and what
-        is known of connections are shared.
+        Mission of a chaser of the same instance with the same availability, whose timetables and
+        known connections are shared.
 
     Attributes
     ----------
@@ -166,7 +166,7 @@ class Mission(Shown, Prizes):
         Parameters
         ----------
         near : Neighbours
-            At which searches look.
+            Destinations that searches examine.
         """
         self._forget()
         self.__dict__["timetable"] = Timetable(
@@ -275,7 +275,7 @@ class Mission(Shown, Prizes):
         Parameters
         ----------
         worths : (bodies,) float64
-            0 but for targets; −inf for those that must not be serviced.
+            0 except for targets; −inf for targets that must not be serviced.
         """
         if self._all is not None:
             return self._all.offering(worths)
@@ -302,9 +302,9 @@ class Mission(Shown, Prizes):
     ) -> Mission:
         """The same mission with another duration or tank, reusing known connections.
 
-        Missions that are made so of one share its timetable where only tanks differ, and the
-        connections that it keeps where it is shortened. Under J2, and where departures are spaced,
-        another tank has connections of its own.
+        Missions made from one share its timetable if only tanks differ, and its cached connections
+        if it is shortened. Under J2, and where departures are spaced, another tank has connections
+        of its own.
 
         Parameters
         ----------
@@ -318,7 +318,7 @@ class Mission(Shown, Prizes):
         Raises
         ------
         InputError
-            A limit is not valid, or longer than what is known.
+            A limit is not valid, or the duration exceeds this mission's.
         """
         instance = self.instance.with_limits(duration_s, delta_v_m_s, propellant_kg)
         connecting = self.connecting.limited(instance)
@@ -337,14 +337,15 @@ class Mission(Shown, Prizes):
     def corrected(self, corrections: Corrections) -> Mission:
         """The same mission with corrected costs of connections.
 
-        What is kept of the model's connections is shared; the timetable is another one.
+        Cached connections of the model are shared; the timetable is built again.
         """
         return self._like(connecting=self.connecting.corrected(corrections))
 
     def with_time_value(self, time_value_m_s_per_h: float) -> Mission:
         """The same mission with the timetable of another choice; earlier tables are kept.
 
-        Itself where its timetable is that of some pairs: another one takes as long as there is.
+        Returns the mission itself if its timetable has some pairs only, as another would take all
+        the time.
 
         Raises
         ------
@@ -480,9 +481,9 @@ class Mission(Shown, Prizes):
     def closed(self, sequence: Iterable[int | str]) -> tuple[int, ...]:
         """A sequence made to end legally: without an unused refuelling, and at an allowed end.
 
-        By number or by name; those that it gives are numbers. Where the mission must end at a
-        station, the one is added that can be reached at least cost; a sequence after which none
-        can be reached stays as it is.
+        Bodies are given by number or name, and returned as numbers. If the mission must end at a
+        station, the one reached at least cost is added; a sequence after which none can be reached
+        is returned unchanged.
         """
         rules = self.rules
         listed = list(sequence)

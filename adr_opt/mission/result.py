@@ -43,30 +43,30 @@ class Result(Shown):
     ----------
     method : str
     sequence : tuple of int or None
-        Bodies in order of the best plan, of several chasers one after the other; None if none was
-        found (a bound looks for none).
+        Bodies in order of the best plan, chaser after chaser; None if none was found (bounds search
+        for none).
     plan : Plan or None
-        The same, priced.
+        The best plan with legs and costs.
     objective : float
         Sum of the prizes of the plan; −inf without one.
     upper_bound : float
-        Proven: no plan has a larger objective. +inf if nothing was proven. Where all prizes are
+        Proven: no plan has a larger objective; +inf if nothing was proven. If all prizes are
         collected, their sum.
     status : {"optimal", "feasible", "infeasible", "unknown"}
         "optimal": the bound exceeds the objective by less than the common step of the prizes
         (:attr:`.Prizes.prize_step`), so that no plan collects more. Where prizes have none, by no
         more than :data:`adr_opt.common.tolerance.RELATIVE` of the sum of all prizes.
     counters : mapping
-        What the method did: iterations, nodes, labels …
+        Work of the method: iterations, nodes, labels …
     seed : int
     runtime_s : float
     notes : tuple of str
-        What a reader of the result has to know.
+        Notes for readers of the result.
     routes : tuple of tuple of int
         Bodies in order for each chaser.
     versions : mapping
     evidence : Evidence or None
-        What the upper bound rests on, where a method can tell.
+        Evidence for the upper bound, if the method provides any.
     """
 
     method: str

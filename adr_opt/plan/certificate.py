@@ -113,19 +113,18 @@ class ProvenCost(Record):
 class Certificate(Shown, Record):
     """Evidence for a bound.
 
-    No plan collects more than ``upper_bound``; null says that no plan keeps to all rules. A target
-    is worth its prize, and ``required_worth`` more if it is required. ``multipliers`` are those of
+    No plan collects more than ``upper_bound``; null means that no plan keeps all rules. A target is
+    worth its prize, and ``required_worth`` more if it is required. ``multipliers`` are those of
     "each target at most once" and "each station ``max_refuellings`` times at most", 0 where none is
-    given; all prizes are multiples of ``prize_step``,
-    null for none. ``walks`` has every chaser once, or nothing where the prizes alone are the proof,
-    or the ``floors``: prices of time and of ΔV.
-    ``delta_v_slot_m_s`` is the slot of ΔV in which the method has looked ahead: what is true does
-    not depend on it, how long it takes to see it does. Where ``time_step_s`` is given time was
-    counted in such steps, so coarsely that no walk has to be gone through by itself. ``cuts`` are
-    what walks pay for besides; the routes of a plan pay each of them once at most. ``cost`` is on
-    the ΔV of plans that collect enough, null where nothing is proven of it. ``model`` is
-    the version of docs/model.md that connections are of.
-    ``plan_sha256`` is that of the plan file that was written beside it.
+    given; all prizes are multiples of ``prize_step``, null for none. ``walks`` has every chaser
+    once, or nothing where the prizes alone are the proof, or the ``floors``: prices of time and of
+    ΔV. ``delta_v_slot_m_s`` is the slot of ΔV of the method's completion bounds: the claim does not
+    depend on it, but the time to verify it does. If ``time_step_s`` is given, time was counted in
+    such steps, so coarse that no walk has to be followed by itself. ``cuts`` are further
+    constraints that walks pay for; the routes of a plan pay each of them at most once. ``cost`` is
+    the proof on the ΔV of plans that collect enough, null if there is none. ``model`` is the
+    version of docs/model.md by which connections are computed. ``plan_sha256`` is that of the plan
+    file that was written beside it.
     """
 
     format: Literal["adr-opt-certificate/1"] = FORMAT
@@ -164,8 +163,8 @@ class Certificate(Shown, Record):
         Raises
         ------
         InputError
-            No such file, not JSON, or not a valid certificate. Whether what it says is true is for
-            :func:`adr_opt.verify` to find out.
+            No such file, not JSON, or not a valid certificate. Its claims are not verified here;
+            see :func:`adr_opt.verify`.
         """
         if not _is_packed(path):
             return parse_model(read_text(path), cls, str(path))

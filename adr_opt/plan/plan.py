@@ -297,12 +297,12 @@ class ExpectedPrize(Record):
 class Plan(Shown, Record):
     """A mission plan with its quality certificate.
 
-    ``status`` speaks of ``objective``, the prize: ``upper_bound`` is what no plan exceeds.
-    ``cost_status`` speaks of ``cost`` at that prize: ``cost_bound`` is what no plan costs less than
-    that collects as much; the three are null if not proven. ``model`` is the version
-    of docs/model.md that its costs are of. ``expected`` is what the plan was chosen for where that
-    is not the objective but what following it collects on average. ``flown`` says what came of
-    flying it, where that was done; files say nothing of either where it was not.
+    ``status`` is that of ``objective``, the prize: no plan exceeds ``upper_bound``. ``cost_status``
+    is that of ``cost`` at this prize: no plan that collects as much costs less than ``cost_bound``;
+    the three are null if not proven. ``model`` is the version of docs/model.md by which costs are
+    computed. ``expected`` is the mean prize of following the plan, if it was chosen for that
+    instead of the objective. ``flown`` is the outcome of its flight, if it was flown; both are left
+    out of files otherwise.
     """
 
     format: Literal["adr-opt-plan/2"] = FORMAT
@@ -356,8 +356,8 @@ class Plan(Shown, Record):
     def lead_ins(self) -> dict[int, tuple[Burn, ...]]:
         """Burns that lead from the orbit of a body to the start of a leg, by leg number from 1.
 
-        Those of the tow that it follows upon: what leaves a disposal orbit has some, and no other
-        leg. The last of them is made as the leg leaves.
+        They are those of the preceding tow: only legs that leave a disposal orbit have any. The
+        last of them is made as the leg departs.
         """
         found, number = {}, 0
         for route in self.routes:
@@ -399,8 +399,8 @@ class Plan(Shown, Record):
         Raises
         ------
         InputError
-            No such file, not JSON, or not a valid plan file. Whether the plan is legal is for
-            :func:`adr_opt.check` to say.
+            No such file, not JSON, or not a valid plan file. Whether the plan is legal is not
+            checked here; see :func:`adr_opt.check`.
         """
         return read_model(path, cls)
 

@@ -340,11 +340,10 @@ class Missing(Record):
 class RefinedPlan(Shown, Record):
     """A plan in true dynamics: burns that meet every stand-off, with states at every event.
 
-    ``status`` is ``incomplete`` where legs are missing; the others hold all the same, because each
+    ``status`` is ``incomplete`` if legs are missing; the others hold all the same, because each
     begins docked with its origin. ``planned`` is the plan itself, by which the file is judged;
-    files of version 1.0 are without it. ``ephemerides`` are those of the instance if legs begin at
-    and close onto their states; else files say nothing of it, and bodies move freely from
-    ``bodies``.
+    files of version 1.0 are without it. ``ephemerides`` are the instance's if legs begin and end at
+    their states; otherwise the field is left out, and bodies move freely from ``bodies``.
     """
 
     format: Literal["adr-opt-refined/1"] = FORMAT

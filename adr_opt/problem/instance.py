@@ -50,8 +50,8 @@ from .settings import TIME_VALUE_M_S_PER_H, GivenFile, check_time_value, hurry_o
 class Instance(Shown, InstanceFile):
     """A mission to plan.
 
-    Bodies are numbered: the stations in order, then the orbits of their own where chasers start,
-    then the targets in order.
+    Bodies are numbered: the stations in order, then the chasers' own start orbits, then the targets
+    in order.
     """
 
     _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
@@ -115,7 +115,7 @@ class Instance(Shown, InstanceFile):
     def without_reserves(self) -> Self:
         """The same mission with reserves taken out of the tanks; it keeps its SHA-256.
 
-        What they keep for their own disposal then counts as dry mass, as it does for planners.
+        The reserve for a chaser's own disposal then counts as dry mass, as it does for planners.
         """
         if all(chaser.end_of_life_m_s is None for chaser in self.chasers):
             return self
@@ -146,8 +146,8 @@ class Instance(Shown, InstanceFile):
         Raises
         ------
         InputError
-            A connection is from or to a body that the instance does not have, or a field makes no
-            sense with it.
+            A connection has a body that is not in the instance, or a field contradicts given
+            connections.
         """
         strange = sorted(set(given.bodies) - set(self.names))
         if strange:
@@ -211,7 +211,7 @@ class Instance(Shown, InstanceFile):
         Raises
         ------
         InputError
-            A name is none of a target, or captures last longer than services.
+            A name is not that of a target, or captures last longer than services.
         """
         if not isinstance(windows, FileWindows):
             windows = file_of(windows)
@@ -354,8 +354,8 @@ class Instance(Shown, InstanceFile):
     def hurry(self) -> float:
         """Value of time relative to a mission of days: 1, and less where planes drift.
 
-        There time buys ΔV, and is worth the mission's average expenditure; a chaser that can refuel
-        spends more than one tank. The same holds where connections are given.
+        Where planes drift, time buys ΔV and is worth the mission's average expenditure; a chaser
+        that can refuel spends more than one tank. The same holds for given connections.
         """
         is_given = self.transfer.given is not None
         return hurry_of(
@@ -399,7 +399,7 @@ class Instance(Shown, InstanceFile):
     def spent_m_s(self) -> dict[int, float]:
         """ΔV charged to first legs for tanks that are not full at the start, by start body [m/s].
 
-        But for chasers of which masses say what is lacking: see
+        Chasers whose missing ΔV depends on masses are excluded: see
         :class:`adr_opt.kernels.rules.loads.Loads`.
         """
         return {
@@ -476,7 +476,7 @@ class Instance(Shown, InstanceFile):
     def part(self, bodies: Collection[int | str]) -> Self:
         """The instance with a subset of its targets, in its own order; other bodies stay.
 
-        So do connections that are given, those of targets left out as well.
+        Given connections stay as well, including those of targets left out.
 
         Parameters
         ----------
@@ -486,7 +486,7 @@ class Instance(Shown, InstanceFile):
         Raises
         ------
         InputError
-            A name is none of a body.
+            A name is not that of a body.
         """
         first = self.first_target
         if any(isinstance(body, str) for body in bodies):
@@ -507,10 +507,10 @@ class Instance(Shown, InstanceFile):
         Raises
         ------
         InputError
-            No such file, not JSON, or not a valid instance; or the connections are missing, others
-            than the instance says, or cannot be planned on.
+            No such file, not JSON, or not a valid instance; or its connections are missing, do not
+            match their digest, or cannot be planned on.
         MissingExtra
-            What reads the connections is not installed.
+            The extra that reads the connections is not installed.
         """
         instance = read_model(path, cls)
         instance._folder = Path(path).parent
@@ -597,8 +597,8 @@ class Instance(Shown, InstanceFile):
         Returns
         -------
         (origin, destination) float64
-            [m/s]; zero between circles (docs/model.md section 1), and where perigees drift: then it
-            is worked out for each departure. Given connections have none.
+            [m/s]; zero between circles (docs/model.md section 1), and where perigees drift, as it
+            then depends on the departure. Given connections have none.
         """
         if self.dynamics == "j2" or not self.is_approximate:
             return np.zeros((len(self.names), len(self.names)))

@@ -106,27 +106,27 @@ def solve(  # noqa: PLR0913
     progress : callable
         Called with incumbent and bound whenever one improves.
     start : Plan or sequence of int or str, optional
-        A plan, or its bodies by number or name, to begin from, for planners that take one; of
+        A plan, or its bodies by number or name, to start from, for planners that take one; for
         several chasers a sequence of such sequences.
     repair : bool
-        Begin from the legal beginning of ``start`` instead of refusing an illegal one.
+        Start from the legal beginning of ``start`` instead of refusing an illegal one.
     jobs : int, optional
         Cores to use, 0 for all, for planners that can use several.
     iterations : int, optional
-        Most iterations: with it and without a time limit, the same work and the same result on any
-        machine.
+        Maximum number of iterations: with it and without a time limit, work and result are the same
+        on any machine.
     bound : str, optional
         Name of an installed bound to run beside the planner. Both stop when they meet; if one ends
         early, the other goes on to the limit. ``start`` and ``jobs`` are given to it too if it
         takes them, and ``iterations`` limits each of the two by itself; see
         :func:`.side_by_side.together`.
     margin : float
-        Share of each tank that the plan keeps back, for what the model does not know. The result
-        says what is proven of plans that do so; its ``plan``, which belongs to the instance, states
-        no bound then.
+        Share of each tank that the plan holds in reserve, for effects that the model neglects. The
+        bound of the result holds for plans with that reserve; its ``plan``, which belongs to the
+        instance, then states no bound.
     memory_gib : float, optional
-        Most memory of the timetable, beyond which it has the nearest pairs alone; by default 2, or
-        70 % of what is free if that is less [GiB].
+        Maximum memory of the timetable, beyond which it has only the nearest pairs; by default 2,
+        or 70 % of free memory if that is less [GiB].
     **method_options
         Options of the planner, see ``python -m adr_opt methods``.
 
@@ -167,10 +167,10 @@ def bound(  # noqa: PLR0913
     method : str
         Name of an installed bound.
     start : Plan or sequence of int or str, optional
-        A known plan, or its bodies by number or name, for bounds that can use one: what cannot
-        beat it need not be searched.
+        A known plan, or its bodies by number or name, for bounds that can use one: worse plans need
+        not be searched.
     margin : float
-        Share of each tank that all plans keep back: what is proven is not proven of the others.
+        Share of each tank that all plans hold in reserve: the bound does not cover other plans.
     time_limit, seed, stop, progress, jobs, iterations, **method_options
         As in :func:`solve`.
 

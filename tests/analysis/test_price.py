@@ -212,8 +212,8 @@ def test_the_verb_tells_what_breaks_and_what_mends(cli: Cli) -> None:
     assert outcome.status == 1
     assert "breaks at leg 2, to north" in outcome.out
     assert "m/s more in each full tank" in outcome.out
-    assert "would do: refuel before north: prize 3" in outcome.out
-    assert "would do: leave out south: prize 2" in outcome.out
+    assert "would suffice: refuel before north: prize 3" in outcome.out
+    assert "would suffice: leave out south: prize 2" in outcome.out
     assert "is not written" in outcome.err
     assert not Path("p.json").exists()
     outcome = cli("price", "h.json", *OPTIMAL, "--out", "p.json", "--json")
@@ -304,7 +304,7 @@ def test_what_mends_counts_prizes_alone(cli: Cli) -> None:
     (route,) = json.loads(outcome.out)["routes"]
     assert {tuple(each["order"]): each["prize"] for each in route["mendings"]}[OPTIMAL] == 6.0
     assert (
-        "would do: refuel before north: prize 6,"
+        "would suffice: refuel before north: prize 6,"
         in cli("price", "h.json", "south", "north", "beyond").out
     )
 

@@ -77,10 +77,7 @@ def test_floors_among_fewer_candidates_are_higher() -> None:
     assert np.all(some.floors >= made.floors[places])
     assert some.of_set(some.names[:4]) == pytest.approx(made.of_set(some.names[:4]))
     assert some.digest != made.digest
-    for wrong, said in (
-        (("object 1", "moon"), "'moon' is not known"),
-        (("object 1",) * 2, "twice"),
-    ):
+    for wrong, said in ((("object 1", "moon"), "'moon' is unknown"), (("object 1",) * 2, "twice")):
         with pytest.raises(InputError, match=said):
             made.among(wrong)
 

@@ -383,10 +383,7 @@ def test_a_mission_with_ephemerides_leaves_nothing_beside_the_project(at: At) ->
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (
-            {"duty_cycle": 0.5},
-            "Duty cycle: the chaser has no thrust; give Low thrust, or leave it out",
-        ),
+        ({"duty_cycle": 0.5}, "Duty cycle: there is no thrust; give Low thrust, or leave it out"),
         ({"thrust": 0.2}, "Low thrust: the tank is given in ΔV"),
         ({"altitude": "high"}, "Altitudes kept = 'high': give two numbers"),
         ({"altitude": "10:20"}, "no object is left of 60"),

@@ -112,13 +112,13 @@ def refine(  # noqa: PLR0913
         Address of a Dask scheduler whose workers take the legs instead, as
         :func:`adr_opt.study.cluster.client_of` takes it.
     enough : callable
-        Asked between legs; once it says so, what is done is returned.
+        Called between legs; once it returns True, the legs refined so far are returned.
     report : callable
-        Hears of how many legs are done, and of how many there are.
+        Called with the number of finished legs and the total.
     ephemerides : bool
-        Whether legs begin at and end with the states that the ephemerides beside the instance
-        report of their bodies, in place of those that mean elements lead to. The ΔV of holding
-        there is estimated.
+        Whether legs begin and end at the states of their bodies in the ephemerides beside the
+        instance, instead of those that follow from mean elements. The ΔV of holding there is
+        estimated.
 
     Returns
     -------
@@ -130,8 +130,8 @@ def refine(  # noqa: PLR0913
     ------
     InputError
         The plan belongs to another instance or has violations, its legs cannot be flown or do not
-        follow each other, or a parameter is not one of those. With ephemerides: there are none,
-        they are others than the instance says, or a leg has low thrust.
+        follow each other, or a parameter has an unknown value. With ephemerides: there are none,
+        they do not match the instance's digest, or a leg has low thrust.
     """
     wanted = Wanted(gravity, freedom, jobs, cluster, enough, report, ephemerides)
     return refined_again(admit(followed(instance, REFINED), plan), wanted, {})

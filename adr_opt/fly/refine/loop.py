@@ -102,8 +102,8 @@ class RefinedResult(Shown):
     Attributes
     ----------
     result : Result
-        Of the last round, with the plan that is kept; its bound is one over the connections of that
-        round, as its notes say.
+        Result of the last round, with the plan that is kept; its bound holds for the connections of
+        that round, as a note says.
     refined : RefinedPlan or None
         The plan, refined.
     rounds : tuple of Round
@@ -164,13 +164,14 @@ def solve_refined(  # noqa: PLR0913
 ) -> RefinedResult:
     """Plan a mission such that the plan holds when refined.
 
-    The plan is refined. Where a tank does not hold what its legs cost then, or a leg cannot be
-    refined, what legs cost in the mean goes into all connections, what they cost against that into
-    those of their pairs (:class:`.lessons.Lessons`), and the mission is planned again. Connections
-    never cost less than the model says, so each plan is one of the instance; and each is another
-    one, since one that broke a tank breaks it over the corrected connections. Rounds end with the
-    first plan that holds. Where it is ``unsafe``, connections that lead there are barred, and the
-    mission is planned again. A beginning of an earlier plan that holds is kept if it collects more.
+    The plan is refined. If a tank does not suffice for its refined legs, or a leg cannot be
+    refined, the mean excess of refined legs corrects all connections, the remainder those of their
+    pairs (:class:`.lessons.Lessons`), and the mission is planned again. Connections never cost less
+    than the model states, so each plan is one of the instance; and each plan is new, since one that
+    broke a tank breaks it over the corrected connections as well. Rounds end with the first plan
+    that holds. If it is ``unsafe``, connections that lead to the conflict are barred, and the
+    mission is planned again. The beginning of an earlier plan that holds is kept if it collects
+    more.
 
     Parameters
     ----------
@@ -179,9 +180,9 @@ def solve_refined(  # noqa: PLR0913
     gravity, freedom, ephemerides
         As in :func:`.refine`.
     rounds : int
-        How often the mission is planned, at most.
+        Maximum number of times that the mission is planned.
     spend_savings : bool
-        Let connections become cheaper than the model says, and plan again also after a first plan
+        Let connections become cheaper than in the model, and plan again even after a first plan
         that holds. The plan may break the tank of the model, as :func:`adr_opt.check` counts it;
         refined, it holds.
     time_limit : float
@@ -191,15 +192,15 @@ def solve_refined(  # noqa: PLR0913
     jobs : int, optional
         Threads to plan with, if the planner takes any, and to refine with.
     bound : str, optional
-        As in :func:`adr_opt.solve`, in each round. What is proven after the first is proven of the
+        As in :func:`adr_opt.solve`, in each round. After the first round, bounds hold for the
         corrected connections.
     margin : float
-        Share of each tank that is kept back, of flown ΔV too.
+        Share of each tank held in reserve, also of flown ΔV.
     told : callable
         Hears of each round.
     unsafe : callable
-        When a refined plan that holds must not be flown as it is, such as for the approach of
-        another object (:func:`adr_opt.analysis.screening.avoiding`).
+        Finds the times at which a refined plan that holds must not be flown, such as conjunctions
+        (:func:`adr_opt.analysis.screening.avoiding`).
     options : mapping, optional
         Options of the planner.
     **arguments

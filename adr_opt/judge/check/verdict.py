@@ -39,7 +39,7 @@ def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
     Raises
     ------
     InputError
-        The plan belongs to another instance, or it is none but an order of bodies.
+        The plan belongs to another instance, or is only an order of bodies.
     """
     if not isinstance(plan, Plan):
         raise InputError(

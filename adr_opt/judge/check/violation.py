@@ -41,7 +41,7 @@ class Violation:
     rule : str
         Short name of the rule that is broken.
     message : str
-        What is stated and what is true.
+        The stated and the recomputed value.
     """
 
     leg: int | None

@@ -46,22 +46,20 @@ class Verdict:
     reasons : tuple of str
         Why the certificate is refused; none if it is verified.
     upper_bound : float
-        What no plan exceeds, as far as it was verified; −inf if there is no plan, +inf if nothing
-        was.
+        Verified upper bound on all plans; −inf if there is no plan, +inf if nothing was verified.
     objective : float or None
         What the plan collects.
     labels : int
-        How many labels that took.
+        Number of labels that verification took.
     connections, departures : int
-        Connections flown again, and departures at which all sequences were.
+        Number of connections flown again, and of departures at which all sequences were.
     legs : int
-        How many legs were gone through where walks are counted in steps of time.
+        Number of legs examined where walks are counted in steps of time.
     difference : float
-        Objectives that differ by no more are the same: less than the step that prizes have in
-        common.
+        Difference up to which objectives count as equal: less than the common step of prizes.
     cost_bound : float or None
-        What no plan costs less than that collects as much as the certificate says, as far as it was
-        verified [m/s]; None if nothing was.
+        Verified lower bound on the cost of plans that collect as much as the certificate states
+        [m/s]; None if nothing was verified.
     """
 
     reasons: tuple[str, ...]
@@ -107,19 +105,19 @@ def verify(
         None to verify the bound alone.
     certificate : Certificate
     connections : int
-        So many connections are flown again by the physics of `check`, drawn by the seed, and for a
-        tenth as many departures it is asked whether there is a better one.
+        Number of random connections flown again by the physics of `check`; at a tenth as many
+        departures, better connections are searched for.
     seed : int
     labels : path, optional
-        A file of closed labels to check, in place of those that are made.
+        A file of closed labels to check, in place of generated ones.
     save_labels : path, optional
-        Such a file to write, if everything is verified.
+        File of closed labels to write if everything is verified.
 
     Raises
     ------
     InputError
-        Something belongs to another instance, or it has rules that cannot be verified yet; or
-        there are more connections to fly than :data:`MOST_CONNECTIONS`.
+        The plan or certificate belongs to another instance, or the instance has rules that cannot
+        be verified yet; or ``connections`` exceeds :data:`MOST_CONNECTIONS`.
     """
     if not 0 <= connections <= MOST_CONNECTIONS:
         raise InputError(f"connections = {connections}: must be from 0 to {MOST_CONNECTIONS}")

@@ -227,9 +227,9 @@ def generate(  # noqa: PLR0913
     zones : int
         Number of keep-out zones to draw; they do not change the field.
     chasers, stations : int, optional
-        Numbers of chasers and of stations, instead of the family's. Further stations lie where
-        targets might; all chasers are alike and start at the stations in turn, or each in an orbit
-        of its own. They do not change the field.
+        Numbers of chasers and of stations, instead of the family's. Further stations are drawn like
+        targets; all chasers are alike and start at the stations in turn, or each in an orbit of its
+        own. They do not change the field.
     tank : Tank or TankByMass, optional
         Of each chaser, instead of the family's.
     kits : int, optional
@@ -242,22 +242,22 @@ def generate(  # noqa: PLR0913
     towed_kg : float, optional
         Instead of kits: each target has this mass [kg] and is towed; needs a tank by mass.
     disposal : DisposalCircle or DisposalPerigee, optional
-        The orbit that targets are towed to, where they are.
+        The orbit to which targets are towed.
     max_lifetime_years : float, optional
-        How long these may stay in orbit once they are released.
+        Longest time that released targets may stay in orbit [years].
     max_uncontrolled_kg : float, optional
         Mass above which they have to re-enter under control [kg].
     burns : {"sequence", "free"}, optional
-        By which short legs are priced; by default those of the sequence.
+        Burns that set the price of short legs; by default those of the sequence.
     approach : {"half-lap", "safety-ellipse"}, optional
-        Of every transfer; by default half a lap.
+        Approach of every transfer; by default half a lap.
     keep_out_m : float, optional
         Distance that a safety ellipse keeps [m].
 
     Raises
     ------
     InputError
-        Unknown family, or a number out of range, or kits and tows that cannot be meant.
+        Unknown family, a number out of range, or contradictory kits and tows.
     """
     kind = family(name)
     for what, value, most in (("seed", seed, LARGEST_SEED), ("zones", zones, MOST)):

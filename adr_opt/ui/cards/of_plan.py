@@ -82,7 +82,7 @@ def of_certificate(certificate: Certificate) -> Card:
     """The card of a certificate."""
     bound = certificate.upper_bound
     facts = (
-        "no plan keeps to all rules" if bound is None else f"no plan collects more than {bound:g}",
+        "no plan keeps all rules" if bound is None else f"no plan collects more than {bound:g}",
         counted(len(certificate.multipliers), "multiplier"),
         counted(len(certificate.walks), "kind of walks", "kinds of walks"),
     )
