@@ -423,7 +423,7 @@ def test_files_of_another_scenario_are_refused(resumed: Any) -> None:
             assert path.read_bytes() == lines[0] + wrong
         other = json.loads(lines[2]) | {"key": json.loads(lines[1])["key"]}
         path.write_bytes(lines[0] + json.dumps(other).encode() + b"\n")
-        with pytest.raises(InputError, match="another one"):
+        with pytest.raises(InputError, match="a different year"):
             run()
         path.write_bytes(b"year,objects\n")
         with pytest.raises(InputError, match=r"not a file of a study \(scenario\)"):

@@ -140,7 +140,7 @@ def test_losses_that_no_number_can_hold_beside_costs_are_refused():
     other = instance.replace(
         chasers=(chaser,), targets=(targets[0].replace(prize=1.0), *targets[1:])
     )
-    with pytest.raises(InputError, match="round prizes"):
+    with pytest.raises(InputError, match="round the prizes"):
         adr_opt.solve(other, "greedy")
 
 

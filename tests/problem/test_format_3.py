@@ -127,7 +127,7 @@ def test_a_key_that_stands_twice_is_refused(format_: str, tmp_path: Path) -> Non
     text = adr_opt.generate("tiny", 0).to_json().replace(FORMER, format_)
     path = tmp_path / "twice.json"
     path.write_text(text.replace('"name"', '"name": "a", "name"', 1))
-    with pytest.raises(InputError, match='field "name" stands twice'):
+    with pytest.raises(InputError, match='field "name" occurs twice'):
         adr_opt.load(path)
 
 

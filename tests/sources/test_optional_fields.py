@@ -135,7 +135,7 @@ def test_microseconds_complete_an_epoch(epoch: str, apart: Any, read: datetime |
     if read is not None:
         assert one(text).epoch == read
         return
-    with pytest.raises(InputError, match=r"EPOCH_MICROSECONDS = 150464: EPOCH = .* has others"):
+    with pytest.raises(InputError, match=r"EPOCH_MICROSECONDS = 150464: EPOCH = .* has them, too"):
         one(text)
 
 

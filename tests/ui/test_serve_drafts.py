@@ -115,14 +115,14 @@ def test_excluded_targets_take_their_given_connections_along(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("edit", "named"),
     [
-        (of("nobody", prize=1.0), "'nobody' is no target"),
+        (of("nobody", prize=1.0), "'nobody' is not a target"),
         (of("north", prize=-1.0), "prize"),
         (of("north", prize=1e-13), "prize"),
         (of("north", required=True, excluded=True), "required and excluded"),
         (of(prize=1.0), "names"),
         ({"targets": {"names": ["north"], "prize": "1"}}, "prize"),
         ({"duration_s": -1.0}, "duration_s"),
-        ({"budget": {"chaser": "nobody", "amount": 1.0}}, "'nobody' is no chaser"),
+        ({"budget": {"chaser": "nobody", "amount": 1.0}}, "'nobody' is not a chaser"),
         ({"budget": {"chaser": "chaser", "amount": -1.0}}, "delta_v_m_s"),
         ({}, "an edit changes one of"),
         ({"duration_s": 1.0, "budget": {"chaser": "chaser", "amount": 1.0}}, "changes one of"),
