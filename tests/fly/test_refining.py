@@ -22,6 +22,7 @@ from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine.bodies import TrueBodies, moved, state_at_epoch
 from adr_opt.fly.refine.leg import LegEnds, close, fly
 from adr_opt.fly.refine.one_leg import first_of_approach, planned_angles
+from adr_opt.judge.admit import admit
 from adr_opt.kernels.orbits import coast
 from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.plan.plan import Burn, Plan
@@ -363,3 +364,15 @@ def test_an_approach_on_an_ellipse_begins_in_the_plane(seed: int) -> None:
     begins = first_of_approach(last, SequenceSettings(), burns)
     assert abs(begins @ normal) < 0.01 * size_m_s
     assert np.linalg.norm(begins) < 1.2 * size_m_s
+
+
+@pytest.mark.parametrize("dynamics", ["two-body", "j2"])
+@pytest.mark.parametrize("seed", [6000, 6002, 6006])
+def test_refined_safety_ellipses_are_safe_in_their_own_field(seed: int, dynamics: str) -> None:
+    """A safety ellipse refined in a field keeps out of the target there, with any burn missed."""
+    instance = eccentric(adr_opt.generate("tiny", seed), 0.01, seed)
+    safe = instance.transfer.replace(approach="safety-ellipse")
+    instance = instance.replace(dynamics=dynamics, transfer=safe)
+    plan = solved(instance)
+    assert plan.legs
+    admit(instance, adr_opt.refine(instance, plan))

@@ -1,7 +1,7 @@
 """Least distance of an approach to its target if a burn is missed, by the judge's own flight.
 
-Chaser and target fall freely in the field of a flattened Earth, whatever the instance's dynamics.
-A chaser that misses a burn makes none after it.
+Chaser and target fall freely in the field of a flattened Earth, whatever the instance's dynamics;
+those of a refined plan in its own field. A chaser that misses a burn makes none after it.
 """
 
 from __future__ import annotations
@@ -31,25 +31,25 @@ CAPTURE_REVOLUTIONS = 0.5
 """Last part of an approach, into the target."""
 
 
-def _pull(position: Array) -> Array:
+def _pull(position: Array, oblateness_m2: float) -> Array:
     square = np.sum(position**2, axis=-1, keepdims=True)
     polar = position[..., 2:] ** 2 / square
-    flat = 1.5 * OBLATENESS_M2 / square
+    flat = 1.5 * oblateness_m2 / square
     shares = np.concatenate([1.0 - 5.0 * polar, 1.0 - 5.0 * polar, 3.0 - 5.0 * polar], axis=-1)
     pulled: Array = -MU_M3_S2 * position / square**1.5 * (1.0 + flat * shares)
     return pulled
 
 
-def _rates(states: Array) -> Array:
-    return np.concatenate([states[..., 3:], _pull(states[..., :3])], axis=-1)
+def _rates(states: Array, oblateness_m2: float) -> Array:
+    return np.concatenate([states[..., 3:], _pull(states[..., :3], oblateness_m2)], axis=-1)
 
 
-def _moved(states: Array, step_s: Array | float) -> Array:
+def _moved(states: Array, step_s: Array | float, oblateness_m2: float = OBLATENESS_M2) -> Array:
     """The states a step later, by the classical Runge–Kutta method."""
-    first = _rates(states)
-    second = _rates(states + 0.5 * step_s * first)
-    third = _rates(states + 0.5 * step_s * second)
-    fourth = _rates(states + step_s * third)
+    first = _rates(states, oblateness_m2)
+    second = _rates(states + 0.5 * step_s * first, oblateness_m2)
+    third = _rates(states + 0.5 * step_s * second, oblateness_m2)
+    fourth = _rates(states + step_s * third, oblateness_m2)
     moved: Array = states + step_s / 6.0 * (first + 2.0 * (second + third) + fourth)
     return moved
 
@@ -59,7 +59,12 @@ Burning = Callable[[int, Array], Array]
 
 
 def flights(
-    target: Array, chaser: Array, times_s: Array, burn: Burning, until_s: Array
+    target: Array,
+    chaser: Array,
+    times_s: Array,
+    burn: Burning,
+    until_s: Array,
+    oblateness_m2: float = OBLATENESS_M2,
 ) -> Iterator[tuple[Array, Array, Array]]:
     """Fly approaches with each burn missed in turn, together with all burns after it.
 
@@ -72,6 +77,8 @@ def flights(
     burn : callable
     until_s : (approaches,) float64
         When flights end [s].
+    oblateness_m2 : float
+        J2 R², 0 in two-body motion [m²].
 
     Yields
     ------
@@ -92,7 +99,8 @@ def flights(
         step = ((until - now) / steps)[:, None]
         for number in range(steps):
             yield now + number * step[:, 0], target, flown
-            target, flown = _moved(target, step), _moved(flown, step)
+            target = _moved(target, step, oblateness_m2)
+            flown = _moved(flown, step, oblateness_m2)
         now = until
         if at < count:
             flown[at + 1 :, :, 3:] += burn(at, flown[at + 1 :])
@@ -100,7 +108,12 @@ def flights(
 
 
 def nearest_m(
-    target: Array, chaser: Array, times_s: Array, burn: Burning, revolution_s: Array
+    target: Array,
+    chaser: Array,
+    times_s: Array,
+    burn: Burning,
+    revolution_s: Array,
+    oblateness_m2: float = OBLATENESS_M2,
 ) -> Array:
     """Least distances of :func:`flights` from the targets, shape (burns, approaches) [m].
 
@@ -108,7 +121,7 @@ def nearest_m(
     """
     least = np.full(times_s.shape, np.inf)
     ends = times_s + LAPS_AFTER * revolution_s
-    for now, there, flown in flights(target, chaser, times_s, burn, ends[-1]):
+    for now, there, flown in flights(target, chaser, times_s, burn, ends[-1], oblateness_m2):
         apart = np.sqrt(np.sum((flown[:-1, :, :3] - there[:, :3]) ** 2, axis=-1))
         least = np.where(now <= ends, np.minimum(least, apart), least)
     return least

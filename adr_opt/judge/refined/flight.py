@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ...common.constants import EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
 from ...common.errors import InputError
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState, RefinedTow
@@ -216,6 +216,7 @@ def _check_missed(judge: _Judge, passed: list[_Passed]) -> Iterator[Violation]:
         np.array([[since_s] for since_s, _ in burns]),
         lambda number, _: burns[number][1],
         math.tau * np.sqrt(np.array([axis**3]) / MU_M3_S2),
+        OBLATENESS_M2 if judge.world.zonals.any() else 0.0,
     )
     yield from violations(leg.leg, leg.destination, least[:, 0], settings.keep_out_m)
 
