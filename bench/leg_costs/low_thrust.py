@@ -197,7 +197,7 @@ def optimum(
 def free(pair, thrust, window, span):
     """The closed form with a free phase, and κ V sin i times the node that its arcs turn [m/s]."""
     drift = pair.drift
-    task = drift_pair.task_of(drift, 0.0, span, 0.0)
+    task = drift_pair.task_of(drift, 0.0, span, drift_pair.ALIKE)
     steers = low_thrust_windows.steering(low_thrust_windows.places(pair, task, 0.0, span), window)
     found, _ = low_thrust_split.free_split(weighted(drift, steers.turn), task, thrust, steers)
     known = task.lag + drift.node_rate_i * (span - 0.5 * found.times.first)
