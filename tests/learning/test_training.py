@@ -453,9 +453,9 @@ def test_what_is_imitated_can_be_played(seed: int) -> None:
 
 def test_each_chaser_of_a_campaign_is_imitated() -> None:
     """Chasers plan in turn what is left, and all their moves are states that can be played."""
-    field, plans = adr_opt.generate("campaign", 9_500_000, targets=14), list[adr_opt.Plan]()
-    missions = chaser_by_chaser(field, plans)
-    for mission in missions:
+    field = adr_opt.generate("campaign", 9_500_000, targets=14).with_limits(2.0 * 86400.0)
+    plans = list[adr_opt.Plan]()
+    for mission in chaser_by_chaser(field, plans):
         plan = adr_opt.solve(mission, "beam", width=10, time_limit=math.inf).plan
         assert plan is not None
         plans.append(plan)
