@@ -58,7 +58,8 @@ def test_a_long_course_is_thinned(proven: Plan) -> None:
     assert len(course.points) <= MOST_HEARD
     plan = proven.replace(objective=1e4, upper_bound=None, course=None)
     kept = course.kept(Result("many", plan=plan)).plan
-    assert kept is not None and kept.course is not None
+    assert kept is not None
+    assert kept.course is not None
     assert len(kept.course) == MOST_WRITTEN
     assert [kept.course[at][1:] for at in (0, -1)] == [(0.0, None), (1e4, None)]
 
@@ -101,5 +102,6 @@ def test_the_chart_says_how_the_gap_fell() -> None:
         (1, 8), (2, 8), (2, 8), (3, 8), (3, 5), (4, 5)
     ]  # fmt: skip
     picture = drawn(chart, "run", from_zero=False)
-    assert picture.count("<polyline") == 2 and picture.count("<polygon") == 1
+    assert picture.count("<polyline") == 2
+    assert picture.count("<polygon") == 1
     assert "style=" not in picture, "the live page allows no styles within"
