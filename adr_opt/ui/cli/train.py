@@ -38,7 +38,7 @@ PREPARING = "preparing fields"
 @param.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
 @param.count("--imitate", "N", "Fields whose plans by beams are imitated first.", name="imitated")
 @param.word("--out", "DIR", "Folder of the run; resumed.", required=True)
-@click.option("--seed", type=int, default=0, show_default=True)
+@param.seeded("Seed of the draws.")
 @click.option("--jobs", type=int, default=1, show_default=True, help="Number of threads.")
 @click.option(
     "--device",
@@ -61,8 +61,7 @@ PREPARING = "preparing fields"
     default=60.0,
     show_default=True,
 )
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     config: str,
     batch: int | None,
