@@ -411,7 +411,7 @@ def ablation(steps: int = 131_072, seeds: int = 1, fields: int = 50) -> None:
     from adr_opt.learning.training.configs import POLICY, PUBLISHED_CONFIG
     from adr_opt.learning.training.trainer import train
 
-    ours = replace(POLICY, fields=PUBLISHED_CONFIG.fields, models=(), steps=steps, slots=48)
+    ours = replace(POLICY, kinds=PUBLISHED_CONFIG.kinds, models=(), steps=steps, slots=48)
     flat = replace(ours, network=PUBLISHED_CONFIG.network)
     slow, absolute = {"rate": PUBLISHED_CONFIG.rate}, {"observation": "published"}
     arms = {
