@@ -46,7 +46,7 @@ PREPARING = "preparing fields"
     "--imitate", "N", "Number of fields whose plans by beams are imitated first.", name="imitated"
 )
 @param.word("--out", "DIR", "Folder of the run; a run in it is resumed.", required=True)
-@click.option("--seed", type=int, default=0, show_default=True)
+@param.seeded("Seed of the draws.")
 @click.option("--jobs", type=int, default=1, show_default=True, help="Number of threads.")
 @click.option(
     "--device",
@@ -69,8 +69,7 @@ PREPARING = "preparing fields"
     default=60.0,
     show_default=True,
 )
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     config: str,
     kinds: str | None,
