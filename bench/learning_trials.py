@@ -87,7 +87,7 @@ def _policy(network: SetNetwork, moves: Any, mission: Any, mask: Any) -> Categor
     return Categorical(logits=network(moves, mission)[0].masked_fill(~mask, HIDDEN))
 
 
-def without_critic(config: Config, seed: int, group: int, held: HeldFields) -> float:
+def without_critic(config: Config, group: int, held: HeldFields, seed: int) -> float:
     """Nominal visits after a training in which missions of one field are each other's baseline.
 
     The advantage of all moves of a mission is what it collects, less the mean of the ``group``
@@ -126,7 +126,7 @@ def without_critic(config: Config, seed: int, group: int, held: HeldFields) -> f
     return float(held.visits(partial(chosen, learned), families=("nominal",))["nominal"].mean())
 
 
-def with_critic(config: Config, seed: int, held: HeldFields) -> float:
+def with_critic(config: Config, held: HeldFields, seed: int) -> float:
     """Nominal visits after the training of the package."""
     told: dict[str, float] = {}
 
@@ -145,17 +145,16 @@ def baselines(
     config = replace(POLICY, kinds=PUBLISHED_CONFIG.kinds, models=(), steps=steps, slots=48)
     held = HeldFields(FRESH_SEED, fields)
     arms: dict[str, Callable[[int], float]] = {
-        "critic": lambda seed: with_critic(config, seed, held)
+        f"mean of {group} missions": partial(without_critic, config, group, held)
+        for group in groups
     }
-    for group in groups:
-        arms[f"mean of {group} missions"] = partial(
-            lambda seed, group: without_critic(config, seed, group, held), group=group
-        )
-    head("baseline", "steps", "visits on fresh fields, by seed", "seconds of processor, mean")
-    for name, learn in arms.items():
-        began = time.process_time()
-        visits = [f"{learn(seed):.2f}" for seed in range(1, 1 + seeds)]
-        row(name, steps, ", ".join(visits), f"{(time.process_time() - began) / seeds:.0f}")
+    arms["critic"] = partial(with_critic, config, held)
+    head("baseline", "seed", "steps", "nominal visits on fresh fields", "seconds of processor")
+    for seed in range(1, 1 + seeds):
+        for name, learn in arms.items():
+            began = time.process_time()
+            visits = learn(seed)
+            row(name, seed, steps, f"{visits:.2f}", f"{time.process_time() - began:.0f}")
 
 
 @contextmanager
