@@ -91,8 +91,8 @@ def without_critic(config: Config, group: int, held: HeldFields, seed: int) -> f
     """Nominal visits after a training in which missions of one field are each other's baseline.
 
     The advantage of all moves of a mission is what it collects, less the mean of the ``group``
-    missions on its field (POMO, Kwon et al. 2020), in clipped steps of PPO. All else is as in
-    training with a critic: fields, missions at once, steps, batches, rate and entropy.
+    missions on its field (POMO, Kwon et al. 2020), in clipped steps of PPO. Fields, missions at
+    once, steps, rate and entropy are those of training with a critic; batches do not grow.
     """
     torch.manual_seed(seed)
     torch.set_num_threads(1)
