@@ -41,8 +41,7 @@ from ...problem.chasers import Chaser, TankByMass
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.towed import Towed, towed_bodies
-from .openings import openings_of
-from .terms import services_s
+from .terms import openings_of, services_s
 
 FloatArray = npt.NDArray[np.float64]
 
