@@ -41,7 +41,8 @@ from ...problem.chasers import Chaser, TankByMass
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.towed import Towed, towed_bodies
-from .terms import openings_of, services_s
+from .openings import openings_of
+from .terms import services_s
 
 FloatArray = npt.NDArray[np.float64]
 
