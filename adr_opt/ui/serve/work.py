@@ -19,7 +19,7 @@ from ...mission.result import Result
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...run import front
-from ...run.course import Course
+from ...run.course import RunCourse
 from ...run.method_call import method_of, spec_of
 from ...run.methods import BOUNDS, PLANNERS
 from ...run.reused_timetable import Reused
@@ -143,7 +143,7 @@ class _Run:
     began: float | None = None
     ended: float | None = None
     built: float = 1.0
-    course: Course | None = None
+    course: RunCourse | None = None
     said: str = ""
     watch: IncumbentWatch | None = None
 
@@ -191,9 +191,9 @@ class _Run:
             self.said,
         )
 
-    def _begin(self) -> Course:
+    def _begin(self) -> RunCourse:
         if self.course is None:
-            self.began, self.course = time.monotonic(), Course()
+            self.began, self.course = time.monotonic(), RunCourse()
         return self.course
 
 
