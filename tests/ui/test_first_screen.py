@@ -51,6 +51,29 @@ def test_the_story_is_on_the_first_screen(tmp_path: Path, kind: str, size: tuple
         assert tab.evaluate("document.documentElement.scrollWidth") == width
 
 
+BESIDE_THE_EDITOR = ((940, 832), (390, 792))
+"""Of the report on the live page: beside its editor on a laptop, below its tabs on a phone [px]."""
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.parametrize("size", BESIDE_THE_EDITOR)
+def test_the_story_is_on_the_first_screen_of_the_live_page(
+    tmp_path: Path, size: tuple[int, int]
+) -> None:
+    """Beside the editor, too, with the ΔV left, and with leg and time in one bar."""
+    width, height = size
+    write_report(*flown("nominal"), tmp_path / "mission.html")
+    with browser.Browser(tmp_path / "profile", width=width, height=height) as tab:
+        tab.open(tmp_path / "mission.html")
+        tab.wait_for("document.documentElement?.dataset.complete")
+        ends = tab.evaluate(
+            "['.story', '.timebar #leg', '#orbits', '#lanes', '#budget'].map((part) =>"
+            " document.querySelector(part).getBoundingClientRect().bottom)"
+        )
+        assert max(ends) <= height, ends
+        assert tab.evaluate("document.documentElement.scrollWidth") == width
+
+
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
 def test_charts_fit_on_paper(tmp_path: Path) -> None:
     """When the page is printed no chart is wider than a sheet, and all days stay in view."""
