@@ -10,17 +10,17 @@ from .mission import Mission
 from .orders import FULL, KITS, why_broken
 from .relaxed import LARGEST, LONGEST, Relaxed, with_tank
 
-_FURTHEST: tuple[Reason, ...] = (
-    "not-considered",
-    "no-transfer",
-    "several",
-    "duration",
-    "delta-v",
-    "kits",
-    "capacity",
-    "not-worth-it",
-)
-"""Obstacles to reaching a target, hardest first."""
+_WITHOUT: dict[Reason, dict[str, bool]] = {
+    "not-worth-it": {},
+    "capacity": {"counts": False},
+    "kits": {"counts": False},
+    "delta-v": {"tank": True},
+    "duration": {"time": True},
+    "several": {"tank": True, "time": True, "counts": False},
+    "no-transfer": {},
+    "not-considered": {},
+}
+"""Limits that stand in the way of reaching a target, those nearest to it first."""
 
 
 def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited, ...]:
@@ -31,18 +31,23 @@ def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited
     flown : iterable of (Mission, sequence of int)
         What each chaser visits. Of several the one is asked that comes nearest to the target.
     """
-    found: dict[str, Reason] = {}
     routes = [(mission, tuple(int(j) for j in sequence)) for mission, sequence in flown]
     visited = {j for _, moves in routes for j in moves}
+    asked: dict[str, list[tuple[Reason, _Limits, int]]] = {}
     for mission, moves in routes:
         limits = _Limits(mission, moves)
         for j in range(mission.rules.first_target, len(mission.names)):
-            if j in visited:
-                continue
-            name, reason = mission.names[j], limits.before(j)
-            if name not in found or _FURTHEST.index(reason) > _FURTHEST.index(found[name]):
-                found[name] = reason
-    return tuple(Unvisited(target=name, reason=reason) for name, reason in found.items())
+            if j not in visited:
+                reasons = asked.setdefault(mission.names[j], [])
+                reasons += [(reason, limits, j) for reason in limits.possible(j)]
+    nearest = list(_WITHOUT)
+    found: list[Unvisited] = []
+    for name, reasons in asked.items():
+        # Nearest first: connections of a longer mission take long, and are rarely asked for.
+        reasons.sort(key=lambda one: nearest.index(one[0]))
+        reason = next(reason for reason, limits, j in reasons if limits.are_all(reason, j))
+        found.append(Unvisited(target=name, reason=reason))
+    return tuple(found)
 
 
 class _Limits:
@@ -56,24 +61,22 @@ class _Limits:
         self._schedules = mission.schedules.by_class.unpriced
         self._known: dict[tuple[bool, bool], Relaxed | None] = {}
 
-    def before(self, j: int) -> Reason:
-        """The reason why a target cannot be the next move."""
+    def possible(self, j: int) -> tuple[Reason, ...]:
+        """Reasons why a target may not be the next move; the last one always holds."""
         mission, more = self._mission, (*self._moves, j)
-        rules = mission.rules
-        if not mission.timetable.holds((rules.start, *more)[-2], j):
-            return "not-considered"
-        why = why_broken(rules, more, mission.schedules.kits_for)
-        if not why and len(self._schedules.fronts(more)) > len(more):
-            return "not-worth-it"
-        tried: dict[Reason, dict[str, bool]] = {
-            "delta-v": {"tank": True},
-            "duration": {"time": True},
-        }
+        if not mission.timetable.holds((mission.rules.start, *more)[-2], j):
+            return ("not-considered",)
+        why = why_broken(mission.rules, more, mission.schedules.kits_for)
         if why:
-            tried = {"kits" if self._lacks_kit(why) else "capacity": {"counts": False}}
-        tried["several"] = {"tank": True, "time": True, "counts": False}
-        flown = (reason for reason, without in tried.items() if self._flies(more, **without))
-        return next(flown, "no-transfer")
+            return "kits" if self._lacks_kit(why) else "capacity", "several", "no-transfer"
+        return "not-worth-it", "delta-v", "duration", "several", "no-transfer"
+
+    def are_all(self, reason: Reason, j: int) -> bool:
+        """Whether the limits that a reason names are all that keep a target out."""
+        more, without = (*self._moves, j), _WITHOUT[reason]
+        if reason == "not-worth-it":
+            return len(self._schedules.fronts(more)) > len(more)
+        return not without or self._flies(more, **without)
 
     def _lacks_kit(self, why: str) -> bool:
         """Whether an order has too few kits, rather than too many targets."""

@@ -21,6 +21,9 @@ LARGEST, LONGEST = 4.0, 2.0
 PRECISION_M_S = 0.1
 """Precision of the least tank."""
 
+PAIRS_KEPT = 500
+"""Number of pairs whose connections are cached for each chaser: the legs of an order."""
+
 Moves = tuple[int, ...]
 
 
@@ -78,7 +81,9 @@ class Relaxed:
         if duration_s is not None or mission.connecting.depends_on_tank:
             connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
             cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
-            made = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
+            made = Scheduler(
+                connecting, lambda: self._rules, cost, mission.chaser, price, PAIRS_KEPT
+            )
         self._schedules = made.unpriced
         self._by_limits: dict[tuple[float, bool], Scheduler] = {}
 

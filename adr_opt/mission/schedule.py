@@ -26,7 +26,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 PAIRS_KEPT = 2_000
-"""Number of pairs whose connections are cached: about 50 kB each in a mission of a week."""
+"""Usual number of pairs whose connections are cached: about 50 kB each in a mission of a week."""
 
 
 class Front(NamedTuple):
@@ -125,6 +125,8 @@ class Scheduler:
         The chaser.
     time_m_s_per_s : float
         Price of the time from when the chaser may fly to the end of an order [m/s per s].
+    kept : int
+        Number of pairs whose connections are cached.
     """
 
     def __init__(
@@ -134,6 +136,7 @@ class Scheduler:
         cost: str,
         chaser: Chaser,
         time_m_s_per_s: float = 0.0,
+        kept: int = PAIRS_KEPT,
     ) -> None:
         self._rules = rules
         self._chaser = chaser
@@ -155,11 +158,11 @@ class Scheduler:
             station.max_propellant_kg is not None for station in connecting.instance.stations
         )
         if connecting.lighter_classes_kg and not weighs:
-            self._of_class = lru_cache(PAIRS_KEPT)(connecting.by_class)
+            self._of_class = lru_cache(kept)(connecting.by_class)
         self._has_lighter, self._counts_cost = False, True
         self._spent_m_s = connecting.spent_m_s
         self._by_function = connecting.by_function
-        self.connections: Callable[[int, int], Connections] = lru_cache(PAIRS_KEPT)(of_pair)
+        self.connections: Callable[[int, int], Connections] = lru_cache(kept)(of_pair)
         self._least = lru_cache(None)(least)
         # The order of the last call, the kits at its start, and its fronts. One object, so that
         # threads may share it.

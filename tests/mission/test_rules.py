@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hand_made import BEYOND, FAR, NORTH, OPTIMAL_PLAN, OPTIMUM, PERIOD_S, SOUTH, STATION, hand_made
@@ -10,6 +12,7 @@ from random_rules import random_mission
 import adr_opt
 from adr_opt.kernels.rules import rules as kernels
 from adr_opt.kernels.rules.resources import Resources
+from adr_opt.legs.corrections import Corrections
 from adr_opt.problem.chasers import AtStation, InOrbit
 
 
@@ -192,6 +195,16 @@ def test_guard_asks_every_station():
     mission = adr_opt.Mission(instance.replace(stations=(), chasers=(adrift,)))
     state = kernels.State(BEYOND, Resources(2e4, 40.0, 1, 1, 0))
     assert kernels.has_way_back(mission.rules, state)
+
+
+def test_guard_knows_a_dead_end(mission):
+    """Where no transfer leads back at all, a way back is asked for while it would be of use."""
+    barred = mission.corrected(Corrections({("beyond", "station", "short"): math.inf}, {}))
+    last = mission.rules.duration - mission.rules.shortest_sortie
+    for time, expected in ((2e4, False), (last, True)):
+        state = kernels.State(BEYOND, Resources(time, 1e5, 1, 1, 0))
+        assert kernels.has_way_back(mission.rules, state)
+        assert kernels.has_way_back(barred.rules, state) == expected
 
 
 def test_guard_lets_go_at_the_end(mission):

@@ -219,13 +219,16 @@ def has_way_back(rules, state):
     """Refuelling guard: whether a chaser at a target can still refuel, or need not.
 
     It need not when nothing could be serviced after refuelling, at any station, before the mission
-    ends. A mission without stations knows no guard.
+    ends. Where no transfer leads to a station at any time, that is no matter of time: its way is
+    taken to be none. A mission without stations knows no guard.
     """
     worth_it, has = False, state.resources
     for s in range(rules.stations):
         _, back, refuelled = fits(rules, state.body, has.time, has.left, s)
         if back <= has.left:
             return True
+        if back == np.inf and fits(rules, state.body, rules.ready, has.left, s)[1] == np.inf:
+            refuelled = has.time + rules.service[s]
         if refuelled <= rules.duration - rules.shortest_sortie:
             worth_it = True
     return not worth_it
