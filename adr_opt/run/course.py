@@ -20,7 +20,7 @@ MOST_WRITTEN = 40
 """Maximum number of points in a plan file."""
 
 
-class Course(Relayed):
+class RunCourse(Relayed):
     """A progress callback that keeps when incumbent and bound improved, and passes reports on.
 
     Parameters

@@ -23,7 +23,7 @@ from ..problem.instance import Instance
 from ..problem.least_time import too_short
 from ..problem.support import follows_all
 from . import by_masses
-from .course import Course
+from .course import RunCourse
 from .method_call import (
     FALLBACK,
     Prepared,
@@ -235,7 +235,7 @@ def run(
     InputError
         As of :func:`solve`.
     """
-    course = Course(progress)
+    course = RunCourse(progress)
     return course.kept(
         _by_masses(
             group,

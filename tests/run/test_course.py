@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from adr_opt import Plan, Result, solve
-from adr_opt.run.course import MOST_HEARD, MOST_WRITTEN, Course
+from adr_opt.run.course import MOST_HEARD, MOST_WRITTEN, RunCourse
 from adr_opt.ui.plot.course import course_chart
 from adr_opt.ui.report.charts import drawn
 from tests.fields.hand_made import hand_made
@@ -52,7 +52,7 @@ def test_broken_courses_are_refused(proven: Plan, course: object) -> None:
 
 def test_a_long_course_is_thinned(proven: Plan) -> None:
     """A file keeps a few points, the first and the last of them."""
-    course = Course()
+    course = RunCourse()
     for number in range(2 * MOST_HEARD):
         course(float(number), math.inf)
     assert len(course.points) <= MOST_HEARD
@@ -66,7 +66,7 @@ def test_a_long_course_is_thinned(proven: Plan) -> None:
 
 def test_without_a_stated_bound_the_course_states_none(proven: Plan) -> None:
     """With a margin bounds hold for fewer plans than those of the instance, so none is kept."""
-    course = Course()
+    course = RunCourse()
     course(1.0, 9.0)
     course(2.0, 8.0)
     plan = proven.replace(objective=2.0, upper_bound=None, course=None)
@@ -85,7 +85,7 @@ def test_plans_are_passed_on() -> None:
         def __call__(self, incumbent: float, bound: float) -> None:
             told.append((incumbent, bound))
 
-    course = Course(Told())
+    course = RunCourse(Told())
     course.found(((1, 2),))
     course(2.0, 3.0)
     course(1.0, 4.0)

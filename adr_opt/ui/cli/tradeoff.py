@@ -90,7 +90,7 @@ def command(
     from ...analysis.trade import Axis, frontier, parse_axis, tradeoff
     from ...analysis.trade.axes import KINDS
     from ...analysis.trade.frontier import check_frontier, write_frontier
-    from ...analysis.trade.table import write_table
+    from ...analysis.trade.points import write_table
     from ...problem.instance import load
     from ...run import front
     from ..report.plain import check_page, write_page

@@ -12,6 +12,9 @@ from .chart import Chart, ChartAxis, Line
 BOUND = CHASERS[0]
 """Colour of bounds, which are dashed, too."""
 
+RUN = "Best plan and bound over the run"
+"""Caption of the chart."""
+
 Corners = list[tuple[float, float]]
 
 

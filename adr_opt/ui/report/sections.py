@@ -19,7 +19,7 @@ from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ...problem.disposal import DisposalCircle
 from ...problem.instance import Instance
 from ..plot.budget import has_burns
-from ..plot.course import course_chart
+from ..plot.course import RUN, course_chart
 from ..plot.traffic import traffic_chart
 from . import tables
 from .charts import drawn
@@ -366,10 +366,6 @@ def certificate(plan: Plan, found: Facts) -> str:
     if plan.course:
         course = drawn(course_chart(plan.course, plan.runtime_s), RUN, from_zero=False)
     return f'<p>{said}</p>{gap}<dl class="bars" aria-label="{what}">{bars}</dl>{course}'
-
-
-RUN = "Best plan and bound over the run"
-"""Caption of the chart of a run."""
 
 
 def origin(instance: Instance, plan: Plan) -> str:

@@ -13,9 +13,8 @@ from ...common.constants import DAY_S
 from ...common.records import Record
 from ...plan.plan import Plan, relative_gap
 from ...problem.instance import Instance
-from ..plot.course import course_chart
+from ..plot.course import RUN, course_chart
 from ..report.charts import drawn
-from ..report.sections import RUN
 from ..report.text import NOTHING, number
 
 IN_DESK = 380, 190
