@@ -51,8 +51,8 @@ def numbers(text: str) -> list[float]:
     return [float(each) for each in text.split(",") if each]
 
 
-def eccentric(instance: Instance, most: float, seed: int) -> Instance:
-    """A field under J2, its targets on ellipses of any shape up to an eccentricity."""
+def eccentric(instance: Instance, most: float, seed: int | Sequence[int]) -> Instance:
+    """The field with eccentricities drawn up to some value, and perigees anywhere."""
     rng = np.random.default_rng(seed)
     targets = tuple(
         target.replace(
@@ -64,7 +64,7 @@ def eccentric(instance: Instance, most: float, seed: int) -> Instance:
         for target in instance.targets
         if target.orbit is not None
     )
-    return instance.replace(dynamics="j2", targets=targets)
+    return instance.replace(targets=targets)
 
 
 def on_rows(targets: int, near: int = 30, seed: int = 0) -> Instance:

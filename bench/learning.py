@@ -3,6 +3,7 @@
 python bench/learning.py environment --slots 32 --runs 5 --steps 40
 python bench/learning.py curve
 python bench/learning.py evaluated --fields 50 --budget 16 --beams 10 30
+python bench/learning.py levels --fields 30
 python bench/learning.py decisions --targets 50 500 5000
 python bench/learning.py flown --width 64
 python bench/learning.py prior --fields 20
@@ -49,9 +50,9 @@ from adr_opt.learning.decoding import Field
 from adr_opt.learning.environment import OBSERVATIONS, MissionEnv, MissionVecEnv
 from adr_opt.learning.environment.fields import FIRST_SEED
 from adr_opt.learning.episodes import Board
-from adr_opt.learning.evaluation import digest, evaluate, splits
+from adr_opt.learning.evaluation import APART, KINDS, digest, evaluate, splits
 from adr_opt.learning.held import FAMILIES as HELD_FAMILIES
-from adr_opt.learning.held import HeldFields
+from adr_opt.learning.held import HeldFields, chaser_by_chaser
 from adr_opt.learning.policy import SHIPPED, load_policy
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.uncertainty import Uncertainty
@@ -174,11 +175,12 @@ def evaluated(
     budget: int = 1,
     fields: int | None = None,
     beams: tuple[int, ...] = (),
+    kinds: tuple[str, ...] = KINDS,
 ) -> None:
     """What a policy collects on a block of fields, beside what is proven of them, and beams."""
     leads = [f"lead over beam {width}, paired" for width in beams]
     head("family", "fields", "visits", "gap", "share optimal", *leads, "ms a field")
-    found = evaluate(file, split=split, budget=budget, fields=fields, beams=beams)
+    found = evaluate(file, split=split, budget=budget, fields=fields, beams=beams, kinds=kinds)
     for family, of in found.items():
         known = int((~np.isnan(of.optima)).sum())
         row(
@@ -190,8 +192,8 @@ def evaluated(
             *("{:+.2f} ± {:.2f}".format(*of.lead(w)) if of.beams else "" for w in beams),
             ", ".join(f"{1e3 * each.seconds:.0f}" for each in (of, *of.beams.values())),
         )
-    tables = [f"{1e3 * of.table_seconds:.0f}" for of in found.values()]
-    print(f"\nProcessor time of a field; that of its timetable besides: {tables[0]} ms.")
+    tables = ", ".join(f"{name} {1e3 * of.table_seconds:.0f}" for name, of in found.items())
+    print(f"\nProcessor time of a field; that of its timetable besides [ms]: {tables}.")
 
 
 def decisions(targets: tuple[int, ...] = (50, 500, 5000), fields: int = 5) -> None:
@@ -355,21 +357,43 @@ RIVALS = Path(__file__).parent / "curves" / "rivals.csv"
 """What :func:`rivals` writes, and docs/draw_tasks.py draws."""
 
 
+def collected(family: str, first: int, fields: int, method: str, **more: Any) -> list[float]:
+    """Prizes of a planner on the first fields of a block, chaser by chaser."""
+    prizes = list[float]()
+    for number in range(first, first + fields):
+        plans = list[adr_opt.Plan]()
+        for mission in chaser_by_chaser(adr_opt.generate(family, number), plans):
+            made = adr_opt.solve(mission, method, time_limit=math.inf, **more).plan
+            plans += [] if made is None else [made]
+        prizes.append(sum(plan.objective for plan in plans))
+    return prizes
+
+
+def levels(*kinds: str, split: str = "test", fields: int = 30, width: int = 30) -> None:
+    """Visits of planners and of the policy, all chaser by chaser; campaigns and clouds if none."""
+    named = kinds or APART
+    ours = evaluate(split=split, fields=fields, kinds=named)
+    methods: dict[str, dict[str, Any]] = {
+        "greedy": {},
+        "greedy-guarded": {},
+        "beam": {"width": width},
+    }
+    head("family", "fields", *methods, "policy", "lead over the beam, paired")
+    for family in named:
+        first = int(ours[family].seeds[0])
+        found = [collected(family, first, fields, name, **more) for name, more in methods.items()]
+        mine = ours[family].visits.tolist()
+        lead = [own - other for own, other in zip(mine, found[-1], strict=True)]
+        row(family, fields, *map(interval, (*found, mine, lead)))
+
+
 def rivals(fields: int = 20, width: int = 30, file: Path = RIVALS) -> None:
     """Mean visits of planners on the first fields of the sealed block, and bounds."""
     told = splits()["blocks"]["test"]
     lines = ["family,what,visits"]
     for family in HELD_FAMILIES:
         for method, more in (("greedy-guarded", {}), ("beam", {"width": width})):
-            visits = [
-                adr_opt.solve(
-                    adr_opt.generate(family, told["first"] + at),
-                    method,
-                    time_limit=math.inf,
-                    **more,
-                ).objective
-                for at in range(fields)
-            ]
+            visits = collected(family, told["first"], fields, method, **more)
             lines.append(f"{family},{method},{fmean(visits):.3f}")
         if of := told["bounds"].get(family):
             lines.append(f"{family},least bound,{fmean(bound for _, bound in of.values()):.3f}")
@@ -411,7 +435,7 @@ def ablation(steps: int = 131_072, seeds: int = 1, fields: int = 50) -> None:
     from adr_opt.learning.training.configs import POLICY, PUBLISHED_CONFIG
     from adr_opt.learning.training.trainer import train
 
-    ours = replace(POLICY, fields=PUBLISHED_CONFIG.fields, models=(), steps=steps, slots=48)
+    ours = replace(POLICY, kinds=PUBLISHED_CONFIG.kinds, models=(), steps=steps, slots=48)
     flat = replace(ours, network=PUBLISHED_CONFIG.network)
     slow, absolute = {"rate": PUBLISHED_CONFIG.rate}, {"observation": "published"}
     arms = {
@@ -445,7 +469,7 @@ def bounds(*families: str, block: str = "test", fields: int = 12, limit: float =
     before ended.
     """
     file, blocks = Path(str(files(adr_opt.learning) / "weights" / "splits.json")), splits()
-    told = blocks["blocks"][block]
+    told = (blocks["blocks"] | blocks["announced"])[block]
 
     def keep() -> None:
         text = json.dumps(blocks, indent=1)
@@ -474,6 +498,7 @@ if __name__ == "__main__":
             environment,
             curve,
             evaluated,
+            levels,
             decisions,
             flown,
             prior,

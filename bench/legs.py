@@ -3,7 +3,6 @@
 python bench/legs.py low-thrust
 python bench/legs.py classes
 python bench/legs.py thrust-flown --legs 60
-python bench/legs.py thrust-spans --legs 160
 python bench/legs.py drift --gtoc9 FOLDER
 python bench/legs.py short-drifts [CATALOGUE...]
 python bench/legs.py dual-vectors

@@ -4,6 +4,7 @@
     python bench/planners.py quality campaign greedy-guarded auto@60 --chasers 5
     python bench/planners.py quality removal auto@200 --count 10 --falls 2,1
     python bench/planners.py tenth --count 3 --limit 60
+    python bench/planners.py without strings sso rocket-bodies --limit 20
 
 A method is NAME[:OPTION=VALUE,…][+BOUND][@SECONDS]. Visits against time are those of
 ``bench/time_quality.py``.
@@ -19,15 +20,19 @@ from typing import Any, Literal, NamedTuple
 
 from contest.orienteering import KINDS, draw, instance_of
 from fields import falling, numbers, ready
-from tables import experiment, head, kept, row, timed
+from tables import alone, experiment, head, kept, row, timed
 
 import adr_opt
 from adr_opt import Instance, Plan
+from adr_opt.common.clock import count_processor_time
 from adr_opt.common.options import parsed
 from adr_opt.fly.flight import fly
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import InstanceReference
 from adr_opt.run import methods as planner
+from solvers.planners import local_search, one_route
+from solvers.routes.route_search import RouteSearch
+from solvers.routes.target_exchange import Exchanges
 
 
 def parse(spec: str) -> tuple[str, dict[str, str], str | None, float]:
@@ -274,5 +279,60 @@ def tenth(
         print(f"\n{len(every)} fields: {mean(every):.1%} of the optimum in the mean")
 
 
+Mechanism = Literal["strings", "recreation", "moves", "exchanges"]
+
+PLACES: dict[Mechanism, tuple[tuple[Any, str, Any], ...]] = {
+    "strings": tuple((each, "strings_of", None) for each in (one_route, local_search)),
+    "recreation": tuple((each, "recreate", ()) for each in (one_route, local_search)),
+    "moves": ((RouteSearch, "move", None), (RouteSearch, "complete", None)),
+    "exchanges": ((Exchanges, "anneal", False),),
+}
+"""Where each mechanism of a search is called, and what it returns when it does nothing."""
+
+
+def _searched(
+    instance: Instance, method: str, limit_s: float, left_out: Mechanism | None
+) -> tuple[float, float]:
+    """Prizes and ΔV [m/s] of a plan within a limit of processor time, in a process alone."""
+    few = instance.replace(targets=instance.targets[:8])
+    adr_opt.solve(few, method, time_limit=5.0)  # compiles
+    for owner, name, nothing in PLACES[left_out] if left_out else ():
+        setattr(owner, name, lambda *given, nothing=nothing, **named: nothing)
+    count_processor_time()
+    result = adr_opt.solve(instance, method, time_limit=limit_s)
+    assert result.plan is not None
+    assert adr_opt.check(instance, result.plan) == ()
+    return result.objective, result.plan.delta_v_m_s
+
+
+def without(
+    mechanism: Mechanism,
+    *families: str,
+    chasers: int | None = None,
+    method: str = "auto",
+    limit: float = 20.0,
+    count: int = 6,
+    first: int = 400,
+) -> None:
+    """What a mechanism of a search is worth: plans with it and without it at equal processor time.
+
+    Families are those of ``generate``, from seed ``--first`` on. Leads are those of the search
+    with the mechanism.
+    """
+    head("family", "prizes with it", "without", "lead of each field", "ΔV with it", "without")
+    for family in families:
+        pairs = []
+        for seed in range(first, first + count):
+            instance = adr_opt.generate(family, seed, chasers=chasers)
+            whole = alone(_searched, instance, method, limit, None)
+            pairs.append((whole, alone(_searched, instance, method, limit, mechanism)))
+        leads = " ".join(f"{whole[0] - part[0]:+g}" for whole, part in pairs)
+        prizes, spent = (
+            [f"{mean(pair[side][what] for pair in pairs):.{digits}f}" for side in (0, 1)]
+            for what, digits in ((0, 2), (1, 1))
+        )
+        row(family, *prizes, leads, *spent)
+
+
 if __name__ == "__main__":
-    sys.exit(experiment(__doc__, quality, tenth))
+    sys.exit(experiment(__doc__, quality, tenth, without))

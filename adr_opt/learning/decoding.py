@@ -87,7 +87,7 @@ class Field:
         body : int
             Where the chaser is.
         time, left : float
-            Since when it is free [s]; ΔV left [m/s].
+            When it became free to leave [s]; ΔV left [m/s].
         since_refuel : int
             Targets serviced since it last refuelled.
         visited : (bodies,) bool
@@ -118,9 +118,9 @@ def play(
     Parameters
     ----------
     found : callable
-        Told every plan.
+        Called with every plan.
     rng : Generator, optional
-        Draws moves by their probability; the best one is made without.
+        Draws moves by their probability; without it the best move is made.
     temperature : float
         Divides the scores before sampling.
     """

@@ -17,12 +17,12 @@ import numpy.typing as npt
 
 from ..common.errors import InputError
 from ..common.json_text import loaded
-from ..mission.mission import Mission
+from ..plan.plan import Plan
 from ..run.front import solve
 from ..sources.generator import generate
 from .episodes import Board
 from .episodes.worlds import TROUBLED
-from .held import FAMILIES, HeldFields
+from .held import FAMILIES, HeldFields, chaser_by_chaser
 from .policy import SHIPPED, Policy, load_policy, log_probabilities
 
 CONFIDENT = 1.96
@@ -36,7 +36,7 @@ class Rival(NamedTuple):
     ----------
     visits : (fields,) float64
     seconds, table_seconds : float
-        Processor time of a field, of the beam with its checked plan and of its timetable [s].
+        Processor time per field: of the beam with the check of its plan, and of the timetable [s].
     """
 
     visits: npt.NDArray[np.float64]
@@ -51,10 +51,10 @@ class Measured(NamedTuple):
     ----------
     seeds : (fields,) int64
     visits, optima : (fields,) float64
-        Visits of the policy, and the least bound known; NaN where none is.
+        Visits of the policy, and the least upper bound known; NaN where there is none.
     seconds, table_seconds : float
-        Processor time of a field: of decoding, a mean of all families, and of the timetable that
-        they share [s].
+        Processor time per field: of decoding, a mean of the kinds of missions on it, and of the
+        timetable that these share [s].
     beams : dict of int to Rival
         By width.
     """
@@ -79,12 +79,12 @@ class Measured(NamedTuple):
 
     @property
     def optimal(self) -> float:
-        """Share of the fields with a bound on which nothing collects more."""
+        """Share of the fields with a known bound on which no plan can collect more."""
         known = ~np.isnan(self.optima)
         return _interval(self.visits[known] >= self.optima[known] - 1e-9)[0]
 
     def lead(self, width: int) -> tuple[float, float]:
-        """Mean visits more than a beam, paired by field, and half the width of its interval."""
+        """Mean lead over a beam in visits, paired by field, and half the width of its interval."""
         return _interval(self.visits - self.beams[width].visits)
 
 
@@ -97,20 +97,26 @@ def _interval(of: npt.NDArray[Any]) -> tuple[float, float]:
 UNCERTAIN = "uncertain"
 """Nominal fields, each in a world of :data:`.episodes.worlds.TROUBLED`."""
 
+APART = ("campaign", "cloud")
+"""Families with fields of their own: campaigns are played chaser by chaser."""
+
+KINDS = (*FAMILIES, UNCERTAIN, *APART)
+"""Kinds of missions that are measured."""
+
 Evaluation = Mapping[str, Measured]
-"""What is measured, by family."""
+"""What is measured, by kind of missions."""
 
 
 @cache
 def splits() -> dict[str, Any]:
-    """Blocks of fields by name, with the bounds that are known of them."""
+    """The file of blocks of fields: each with its seeds and the bounds known of its fields."""
     path = Path(str(files(__package__))) / "weights" / "splits.json"
     found: dict[str, Any] = loaded(path.read_text(encoding="utf-8"))
     return found
 
 
 def digest(first: int, count: int) -> str:
-    """Digest of the nominal fields of some seeds, by which others see that theirs are the same."""
+    """Digest of the nominal fields of consecutive seeds, to check that others draw the same."""
     found = hashlib.sha256()
     for seed in range(first, first + count):
         found.update(generate("nominal", seed).to_json().encode())
@@ -125,6 +131,7 @@ def evaluate(
     fields: int | None = None,
     seed: int = 0,
     beams: Sequence[int] = (),
+    kinds: Sequence[str] = KINDS,
 ) -> Evaluation:
     """Evaluate a policy on a block of fields.
 
@@ -133,20 +140,23 @@ def evaluate(
     policy : Policy, str or path
         See :func:`.policy.load_policy`.
     split : str
-        "val", by which trainings are watched, or "test", at which none has looked.
+        "val", on which trainings are watched, or "test", which none of them has seen.
     budget : int
-        Plans of a field: the greedy one, and draws besides. In uncertain worlds there is one.
+        Plans made for each field, of which the best counts: the greedy one, and others drawn from
+        the policy. In uncertain worlds only the greedy one.
     fields : int, optional
-        The first so many of the block; all if None.
+        How many fields of the block, from the first one on; all if None.
     seed : int
-        Of the draws.
+        Seed of the draws.
     beams : sequence of int
         Widths of beams to compare with, in known worlds.
+    kinds : sequence of str
+        Which missions: the three benchmark families, "uncertain", "campaign" and "cloud".
 
     Raises
     ------
     InputError
-        There is no such block, or a number is out of range.
+        There is no such block or kind, or a number is out of range.
     """
     learned = policy if isinstance(policy, Policy) else load_policy(policy)
     blocks = splits()["blocks"]
@@ -157,53 +167,72 @@ def evaluate(
     for name, value, most in (("budget", budget, 10**6), ("fields", count, block["fields"])):
         if not 1 <= value <= most:
             raise InputError(f"{name} = {value}: must be between 1 and {most}")
+    known = {"nominal": (*FAMILIES, UNCERTAIN)} | {kind: (kind,) for kind in APART}
+    for kind in kinds:
+        if kind not in KINDS:
+            raise InputError(f"kind {kind!r} is unknown; use some of: {', '.join(KINDS)}")
+    found: dict[str, Measured] = {}
+    for family, group in known.items():
+        if wanted := [kind for kind in group if kind in kinds]:
+            first = block["apart" if family in APART else "first"]
+            began = time.process_time()
+            held = HeldFields(first, count, family)
+            table_s = (time.process_time() - began) / count
+            visits, spent_s = _collected(learned, held, group, budget, seed)
+            seeds = list(range(first, first + count))
+            for kind in wanted:
+                bounds = block["bounds"].get(kind, {})
+                found[kind] = Measured(
+                    np.array(seeds),
+                    visits[kind].astype(float),
+                    np.array([bounds.get(str(each), (0.0, math.nan))[1] for each in seeds]),
+                    spent_s / count,
+                    table_s,
+                    {} if kind == UNCERTAIN else _rivals(kind, seeds, beams),
+                )
+    return {kind: found[kind] for kind in kinds}
+
+
+def _collected(
+    policy: Policy, held: HeldFields, kinds: tuple[str, ...], budget: int, seed: int
+) -> tuple[dict[str, npt.NDArray[np.int64]], float]:
+    """Most visits of some plans on each field, and the time for a kind in known worlds [s]."""
+    greedy, rng = partial(chosen, policy), np.random.default_rng(seed)
+    certain = tuple(kind for kind in kinds if kind != UNCERTAIN)
     began = time.process_time()
-    held = HeldFields(block["first"], count)
-    made = time.process_time()
-    greedy = partial(chosen, learned)
-    best = held.visits(greedy)
-    rng = np.random.default_rng(seed)
+    best = held.visits(greedy, families=certain)
     for _ in range(budget - 1):
-        drawn = held.visits(partial(chosen, learned, rng=rng))
-        best = {family: np.maximum(best[family], drawn[family]) for family in FAMILIES}
-    decoded = time.process_time()
-    best[UNCERTAIN] = held.visits(greedy, families=("nominal",), model=TROUBLED)["nominal"]
-    spent = (decoded - made) / (count * len(FAMILIES)), (made - began) / count
-    seeds = block["first"] + np.arange(count)
-    return {
-        family: Measured(
-            seeds,
-            best[family].astype(float),
-            np.array(
-                [
-                    block["bounds"].get(family, {}).get(str(number), (0.0, math.nan))[1]
-                    for number in seeds.tolist()
-                ]
-            ),
-            *spent,
-            {} if family == UNCERTAIN else _rivals(family, seeds.tolist(), beams),
-        )
-        for family in best
-    }
+        drawn = held.visits(partial(chosen, policy, rng=rng), families=certain)
+        best = {kind: np.maximum(best[kind], drawn[kind]) for kind in certain}
+    spent_s = (time.process_time() - began) / len(certain)
+    if UNCERTAIN in kinds:
+        best[UNCERTAIN] = held.visits(greedy, families=("nominal",), model=TROUBLED)["nominal"]
+    return best, spent_s
 
 
 def _rivals(family: str, seeds: list[int], widths: Sequence[int]) -> dict[int, Rival]:
-    """What beams collect on the fields of a family."""
+    """What beams collect on the fields of a family, chaser by chaser."""
     visits = {width: np.zeros(len(seeds)) for width in widths}
-    spent, table = dict.fromkeys(widths, 0.0), 0.0
-    for at, seed in enumerate(seeds if widths else ()):
-        began = time.process_time()
-        mission = Mission(generate(family, seed), threads=1)
-        _ = mission.timetable
-        table += time.process_time() - began
-        # What a mission makes once is no part of a beam.
-        solve(mission, "beam", width=1, time_limit=math.inf)
+    spent, table = dict.fromkeys(widths, 0.0), dict.fromkeys(widths, 0.0)
+    for at, seed in enumerate(seeds):
         for width in widths:
+            plans = list[Plan]()
             began = time.process_time()
-            visits[width][at] = solve(mission, "beam", width=width, time_limit=math.inf).objective
-            spent[width] += time.process_time() - began
+            for mission in chaser_by_chaser(generate(family, seed), plans):
+                _ = mission.timetable
+                table[width] += time.process_time() - began
+                # What a mission makes once is no part of a beam.
+                solve(mission, "beam", width=1, time_limit=math.inf)
+                began = time.process_time()
+                found = solve(mission, "beam", width=width, time_limit=math.inf)
+                spent[width] += time.process_time() - began
+                visits[width][at] += found.objective
+                plans += [] if found.plan is None else [found.plan]
+                began = time.process_time()
     each = len(seeds)
-    return {width: Rival(visits[width], spent[width] / each, table / each) for width in widths}
+    return {
+        width: Rival(visits[width], spent[width] / each, table[width] / each) for width in widths
+    }
 
 
 def chosen(

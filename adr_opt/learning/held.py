@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,8 @@ import numpy.typing as npt
 from ..kernels.episodes import episodes as kernels
 from ..kernels.episodes import worlds as world_kernels
 from ..mission.mission import Mission
+from ..plan.plan import Plan
+from ..problem.instance import Instance
 from ..problem.uncertainty import Uncertainty
 from ..sources.generator import family, generate
 from .decoding import pick
@@ -29,17 +31,39 @@ HELD_SEED, HELD_FIELDS = 900_000, 24
 """First seed and number of the fields by which trainings are watched."""
 
 
+def chaser_by_chaser(instance: Instance, plans: Sequence[Plan]) -> Iterator[Mission]:
+    """Missions of the chasers of an instance in turn, each with the targets that are left.
+
+    Parameters
+    ----------
+    instance : Instance
+    plans : sequence of Plan
+        Of the missions so far, added to by who asks for the next one.
+    """
+    for chaser in instance.chasers:
+        gone = {name for plan in plans for name in plan.destinations}
+        left = tuple(target for target in instance.targets if target.name not in gone)
+        if left:
+            yield Mission(instance.replace(chasers=(chaser,), targets=left), threads=1)
+
+
 class HeldFields:
-    """Fields with their timetables, one pool for the three benchmark families.
+    """Fields with their timetables, one pool for the three benchmark families, or of another one.
 
     Parameters
     ----------
     first, count : int
         First seed, and number.
+    kind : str
+        Family that fields are drawn from. Its chasers are alike, and play one after another.
     """
 
-    def __init__(self, first: int = HELD_SEED, count: int = HELD_FIELDS) -> None:
-        missions = [Mission(generate("nominal", first + at), threads=1) for at in range(count)]
+    def __init__(
+        self, first: int = HELD_SEED, count: int = HELD_FIELDS, kind: str = "nominal"
+    ) -> None:
+        drawn = (generate(kind, first + at, chasers=1) for at in range(count))
+        missions = [Mission(instance, threads=1) for instance in drawn]
+        self._chasers = family(kind).chasers
         events = max(mission.timetable.most_events for mission in missions)
         self._first, self._bodies, self._count = first, len(missions[0].names), count
         self.pool = FieldPool(count, self._bodies, events)
@@ -52,31 +76,47 @@ class HeldFields:
         observation: str = "choices",
         families: tuple[str, ...] = FAMILIES,
         model: Uncertainty | None = None,
-    ) -> dict[str, npt.NDArray[np.int32]]:
+    ) -> dict[str, npt.NDArray[np.int64]]:
         """Visits on each field in each family, with the moves that are chosen.
 
         Parameters
         ----------
         choose : callable
-            Actions of a board.
+            Gives the actions for a board.
         observation : str
         families : tuple of str
-            Whose limits missions have.
+            Families whose ΔV budget and duration the missions have.
         model : Uncertainty, optional
-            Of the worlds that they are played in, one for each field.
+            Model of the uncertain worlds that they are played in, one for each field.
         """
-        episodes = new_episodes(len(families) * self._count, self._bodies)
-        for at, name in enumerate(np.repeat(families, self._count).tolist()):
-            limits = family(name)
-            given = limits.delta_v_m_s, limits.duration_s
-            start(self.pool, episodes, at, at % self._count, *given)
+        count = len(families) * self._count
+        visited, serviced = np.zeros((count, self._bodies), dtype=np.bool_), np.zeros(count, int)
+        for _ in range(self._chasers):
+            episodes = new_episodes(count, self._bodies)
+            for at, name in enumerate(np.repeat(families, self._count).tolist()):
+                limits = family(name)
+                given = limits.delta_v_m_s, limits.duration_s
+                start(self.pool, episodes, at, at % self._count, *given)
+            episodes.visited[:] |= visited
+            worlds = None if model is None else self._worlds(model, episodes)
+            serviced += self._played(choose, observation, episodes, worlds, visited)
+        return dict(zip(families, serviced.reshape(len(families), -1), strict=True))
+
+    def _played(
+        self,
+        choose: Callable[[Board], npt.NDArray[np.int64]],
+        observation: str,
+        episodes: kernels.Episodes,
+        worlds: world_kernels.Worlds | None,
+        visited: npt.NDArray[np.bool_],
+    ) -> npt.NDArray[np.int32]:
+        """Visits of one chaser in each episode; what is visited then is written."""
         running, serviced = np.arange(episodes.slot.size), np.zeros_like(episodes.serviced)
-        worlds = None if model is None else self._worlds(model, episodes)
         while running.size:
             board = Board(observation, running.size, self._bodies - 1)
             board.observe(self.pool.arrays, episodes, 0, running.size, worlds)
             alive = board.legal > 0
-            serviced[running] = episodes.serviced
+            serviced[running], visited[running] = episodes.serviced, episodes.visited
             if alive.all():
                 rewards = np.zeros(running.size, dtype=np.float32)
                 taken = 0, running.size, choose(board), rewards
@@ -91,7 +131,7 @@ class HeldFields:
                 episodes = pick(episodes, rows)
                 if worlds is not None:
                     worlds = worlds._replace(states=pick(worlds.states, rows))
-        return dict(zip(families, serviced.reshape(len(families), -1), strict=True))
+        return serviced
 
     def _worlds(self, model: Uncertainty, episodes: kernels.Episodes) -> world_kernels.Worlds:
         uncertain, count = UncertainPool(self.pool, [model]), episodes.slot.size

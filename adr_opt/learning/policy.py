@@ -38,7 +38,7 @@ SHIPPED = "policy"
 """Name of the policy that comes with the package."""
 
 MOST_BYTES = 16 * 2**20
-"""Largest size of all arrays of a file; those of the package have a hundredth."""
+"""Largest size of all arrays of a file [bytes]; those of the package take a hundredth of it."""
 
 
 def shapes(width: int, layers: int) -> dict[str, tuple[int, ...]]:
@@ -73,12 +73,12 @@ class Policy:
     arrays : dict
         Weights by name (:func:`shapes`).
     card : dict
-        How they came about, and what they collect.
+        How they were trained, and how many visits they collect.
 
     Raises
     ------
     InputError
-        They are no weights of the network.
+        The weights do not fit the network.
     """
 
     def __init__(self, arrays: dict[str, npt.NDArray[Any]], card: dict[str, Any]) -> None:
@@ -92,7 +92,7 @@ class Policy:
             good = good and array.shape == wanted[name] and array.dtype == np.float32
             good = good and bool(np.isfinite(array).all())
         if not good:
-            raise InputError("these are no weights of the policy's network")
+            raise InputError("its weights do not fit the policy's network")
         with np.errstate(over="ignore", invalid="ignore"):
             self._weights = self._folded()
 
@@ -124,7 +124,7 @@ class Policy:
 
     @property
     def name(self) -> str:
-        """What plans call it."""
+        """Name of the policy in plans."""
         return str(self.card.get("name", "own"))
 
     def notes(self, mission: Mission) -> tuple[str, ...]:
@@ -156,7 +156,7 @@ class Policy:
         Raises
         ------
         InputError
-            Scores without measure, by which an illegal move might seem best.
+            A score is not finite, or so large that an illegal move might seem best.
         """
         scores = np.empty(moves.shape[:2], dtype=np.float32)
         if not set_scores(self._weights, moves, mission, scores):
@@ -190,7 +190,7 @@ def load_policy(name: str | os.PathLike[str] = SHIPPED) -> Policy:
     Raises
     ------
     InputError
-        It is no such file, or of a version that sees something else.
+        It is not such a file, or one for another version of the observation.
     """
     if str(name) in ("", SHIPPED):
         return _shipped()

@@ -35,7 +35,7 @@ class PolicyBeamSettings:
     prior_weight : float
         Worth of a unit of log-probability [mean prizes].
     time_weight, delta_v_weight : float
-        Worth of an hour [mean prizes per h] and of a km/s left [mean prizes per km/s].
+        Worth of an hour and of a km/s that are left [mean prizes per h, per km/s].
     """
 
     width: int
@@ -95,7 +95,7 @@ class _Children(NamedTuple):
 
 
 def beam(field: Field, settings: PolicyBeamSettings, found: Found, enough: Enough) -> int:
-    """Search level by level over visits, with one network call per level.
+    """Search level by level over visits, with one call of the network per level.
 
     A refuelling on the way is part of the level, so states before and after it are never compared.
     Plans that service the same targets and end at the same body are the same state but for time

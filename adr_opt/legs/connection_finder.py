@@ -300,10 +300,10 @@ class ConnectionFinder:
             self._chosen[i, j] = ConnectionArrays(*(column[chosen] for column in found))
             self.counts[i, j] = found.departure.size
 
-    def table(self, duration: float, slot: npt.NDArray[np.int16]) -> tables.Table:
+    def table(self, slot: npt.NDArray[np.int16]) -> tables.Table:
         """The timetable of the chosen connections; ``slot`` as in :class:`tables.Table`."""
         chosen, self._chosen = self._chosen, {}
-        return making.pack(len(self.instance.names), chosen, duration, slot)
+        return making.pack(len(self.instance.names), chosen, slot)
 
     @property
     def has_functions(self) -> bool:

@@ -177,7 +177,7 @@ class Timetable(Shown):
                 so_far,
             )
             pairs = chosen = begun(chosen, built)
-            table = chooser.table(limits.duration, making.slots_of(chosen))
+            table = chooser.table(making.slots_of(chosen))
         for array in table[:-1]:
             array.setflags(write=False)
         self.connecting = connecting

@@ -11,7 +11,6 @@ import numpy as np
 
 from ..common.constants import SLACK_M_S
 from ..kernels.rules.loads import Loads, after_service
-from ..problem.bodies import SERVICES
 from ..problem.chasers import Chaser, TankByMass
 from ..problem.drives import drive_of
 from ..problem.instance import Instance
@@ -224,13 +223,6 @@ def carried(
     return Carried(
         start.mass_kg, aboard - never, start.kits, used, end.mass_kg - without, end.mass_kg
     )
-
-
-def what_counts(instance: Instance) -> str:
-    """The kind of loads that may matter in an instance, as a word: kits, tows or both."""
-    there = {target.service.counted for target in instance.targets}
-    words = [kind.counted for kind in SERVICES.values() if kind.counted and kind.counted in there]
-    return " and ".join(words) or "kits"
 
 
 def carries(instance: Instance) -> bool:

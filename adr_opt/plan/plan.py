@@ -7,11 +7,12 @@ import json
 import math
 import os
 from collections.abc import Iterable
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
 from ..common.card import Shown
 from ..common.errors import InputError
@@ -294,6 +295,18 @@ class ExpectedPrize(Record):
     uncertainty_sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
+def _in_order(course: tuple[CoursePoint, ...]) -> tuple[CoursePoint, ...]:
+    if any(after < before for (before, *_), (after, *_) in pairwise(course)):
+        raise ValueError("times must not decrease")
+    return course
+
+
+CoursePoint = Annotated[tuple[NonNegative, float | None, float | None], Field(strict=False)]
+"""Time since the run began [s], value of the best plan and upper bound; null for none yet."""
+
+Course = Annotated[tuple[CoursePoint, ...], Field(strict=False), AfterValidator(_in_order)]
+
+
 class Plan(Shown, Record):
     """A mission plan with its quality certificate.
 
@@ -301,8 +314,8 @@ class Plan(Shown, Record):
     is that of ``cost`` at this prize: no plan that collects as much costs less than ``cost_bound``;
     the three are null if not proven. ``model`` is the version of docs/model.md by which costs are
     computed. ``expected`` is the mean prize of following the plan, if it was chosen for that
-    instead of the objective. ``flown`` is the outcome of its flight, if it was flown; both are left
-    out of files otherwise.
+    instead of the objective. ``flown`` is the outcome of its flight, if it was flown. ``course`` is
+    that of the run, if its method reported any. These are left out of files otherwise.
     """
 
     format: Literal["adr-opt-plan/2"] = FORMAT
@@ -325,10 +338,11 @@ class Plan(Shown, Record):
     unvisited: Annotated[tuple[Unvisited, ...], Field(strict=False)] = ()
     expected: ExpectedPrize | None = None
     flown: PlanFlight | None = None
+    course: Course | None = None
 
     @model_serializer(mode="wrap")
     def _without_former_model(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(without_former_model(write(self)), "expected", "flown")
+        return without(without_former_model(write(self)), "expected", "flown", "course")
 
     @property
     def has_former_drifts(self) -> bool:

@@ -23,6 +23,7 @@ from ..problem.instance import Instance
 from ..problem.least_time import too_short
 from ..problem.support import follows_all
 from . import by_masses
+from .course import RunCourse
 from .method_call import (
     FALLBACK,
     Prepared,
@@ -234,9 +235,28 @@ def run(
     InputError
         As of :func:`solve`.
     """
-    whole = problem_of(instance)
+    course = RunCourse(progress)
+    return course.kept(
+        _by_masses(
+            group,
+            problem_of(instance),
+            method,
+            wanted,
+            course,
+            partial(_run, stop=stop, building=building, sizing=sizing),
+        )
+    )
 
-    once = partial(_run, stop=stop, building=building, sizing=sizing)
+
+def _by_masses(
+    group: str,
+    whole: Problem,
+    method: str,
+    wanted: RunOptions,
+    progress: Progress,
+    once: Callable[..., Result],
+) -> Result:
+    """Run a planner or a bound, on a relaxed problem as well where costs depend on the mass."""
     if not whole.depends_on_mass:
         return once(group, whole, method, wanted, progress=progress)
     if group == BOUNDS:

@@ -43,7 +43,9 @@ def instances(priced: Literal["sequence", "free"] = "free") -> Iterator[Instance
         ("tiny", 2, None),
     ):
         for seed in range(seeds):
-            field = eccentric(adr_opt.generate(family, seed, targets=targets), 0.02, seed)
+            field = eccentric(adr_opt.generate(family, seed, targets=targets), 0.02, seed).replace(
+                dynamics="j2"
+            )
             yield by_price(field.replace(name=f"{field.name}-eccentric"))
     for seed in range(3):
         yield by_price(adr_opt.generate("cloud", seed).replace(dynamics="j2"))

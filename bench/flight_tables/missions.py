@@ -16,7 +16,7 @@ from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.fly.flight import TankFlight, fly, fly_refined
 from adr_opt.fly.refine.bodies import state_of
 from adr_opt.fly.refine.tow import lowest_m
-from adr_opt.judge.refined.release import released
+from adr_opt.judge.refined.flight import released
 from adr_opt.judge.refined.verdict import check_refined
 from adr_opt.judge.refined.world import FreeMotion
 from adr_opt.kernels.orbits.gravity import FIELDS

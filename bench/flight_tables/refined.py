@@ -113,7 +113,7 @@ def _fields(catalogues: tuple[Path, ...], seeds: int, cuts: int) -> Iterator[tup
             yield f"{what}-like", like(what, seed)
         yield "clouds as drawn", adr_opt.generate("cloud", seed).replace(dynamics="j2")
     for seed in range(seeds):
-        instance = eccentric(adr_opt.generate("nominal", seed), 0.02, seed)
+        instance = eccentric(adr_opt.generate("nominal", seed), 0.02, seed).replace(dynamics="j2")
         yield "nominal, eccentric", instance.replace(name=f"{instance.name}, e to 0.02")
     for path in catalogues or external("tle/*.txt", "omm/cele*.csv"):
         found = read(path, skip_bad=True)
@@ -199,7 +199,7 @@ def mean_motion(seeds: int = 2) -> None:
     ]
     for family, most in (("nominal", 0.02), ("rocket-bodies", 0.015)):
         for seed in range(seeds):
-            instance = eccentric(adr_opt.generate(family, seed), most, seed)
+            instance = eccentric(adr_opt.generate(family, seed), most, seed).replace(dynamics="j2")
             fields.append((f"{family}-{seed:03d}, e to {most:g}", instance))
     fly_mean(fields[0][1], planned(fields[0][1]))  # compiles
     head(

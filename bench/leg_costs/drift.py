@@ -177,7 +177,10 @@ def _short_fields(
         parts = [replace(found, records=found.records[cut::cuts]) for cut in range(cuts)]
         yield path.stem, [to_instance(part, skip_bad=True).instance for part in parts]
     yield "clouds as drawn", [adr_opt.generate("cloud", seed) for seed in range(seeds)]
-    nominal = [eccentric(adr_opt.generate("nominal", seed), 0.02, seed) for seed in range(seeds)]
+    nominal = [
+        eccentric(adr_opt.generate("nominal", seed), 0.02, seed).replace(dynamics="j2")
+        for seed in range(seeds)
+    ]
     yield "nominal, e to 0.02", nominal
 
 

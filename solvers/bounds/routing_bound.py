@@ -266,7 +266,7 @@ class RoutingBoundOptions(Options, method="routing-bound"):
 
     effort: float = option(
         math.inf,
-        "Limit of CP-SAT in its deterministic time, about seconds.",
+        "Limit of the search by CP-SAT in deterministic time, roughly seconds.",
         above=0.0,
         most=math.inf,
     )

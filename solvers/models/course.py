@@ -107,7 +107,7 @@ class ModelOptions(Options):
     )
     most_arcs: int = option(60_000, "Largest network passed to the solver, in arcs.", least=1)
     evaluations: int = option(
-        150, "Maximum number of evaluations of the multipliers' bound.", least=1
+        150, "Maximum number of evaluations of the Lagrangian bound.", least=1
     )
 
 

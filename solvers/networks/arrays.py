@@ -28,7 +28,7 @@ class Network(NamedTuple):
     delta_v : (legs,) float64
         [m/s].
     since : (legs,) int32
-        Who was ready by this row has no use for the leg, see :mod:`.dominated_legs`; −1 for none.
+        Who was ready by this row has no use for the leg, see :mod:`.network`; −1 for none.
     fresh : (rows,) int32
         Who was ready by this row has no use for any leg of the row.
     is_station, may_end : (bodies,) bool

@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from adr_opt.common.constants import HOUR_S
 from adr_opt.common.stop import Stop, TimeIsOver
-from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed, write
 from adr_opt.mission.mission import Mission
@@ -32,8 +32,33 @@ from ..progress.halting import halted_by
 from ..routes.strings import mark_strings, take_out
 from . import bit_orders, fronts
 from .connection_table import is_varied, table_of
-from .cooling import AnnealingSchedule, temperature
 from .reach import Reach, reach_of
+
+
+class AnnealingSchedule(NamedTuple):
+    """Objective weights of an order, and temperatures.
+
+    Attributes
+    ----------
+    worth : float
+        Worth of a second [prizes per s].
+    hot, cold : float
+        Temperatures at the beginning and at the end [prizes].
+    iterations : int
+    """
+
+    worth: float
+    hot: float
+    cold: float
+    iterations: int
+
+
+@inlined
+def temperature(schedule, iteration):
+    """Temperature of an iteration, falling geometrically [prizes]."""
+    hot, cold = schedule.hot, schedule.cold
+    return hot * (cold / hot) ** (iteration / schedule.iterations)
+
 
 HOT, COLD = 1.0, 0.03
 """First and last temperature of the annealing, in mean prizes."""

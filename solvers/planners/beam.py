@@ -47,7 +47,12 @@ class BeamOptions(Options, method="beam"):
         "the mission.",
         least=0.0,
     )
-    delta_v_weight: float = option(1.0, "The same for a km/s left.", least=0.0)
+    delta_v_weight: float = option(
+        1.0,
+        "Worth of a km/s left when partial plans are compared, as a multiple of the estimate for "
+        "the mission.",
+        least=0.0,
+    )
     crowding: float = option(
         1.7,
         "Maximum number of partial plans per body, as a multiple of an equal share.",
@@ -55,7 +60,10 @@ class BeamOptions(Options, method="beam"):
         most=math.inf,
     )
     noise: float = option(
-        0.0, "Random part of the comparison, drawn with the seed.", unit="mean prizes", least=0.0
+        0.0,
+        "Random part in comparing partial plans, drawn with the seed.",
+        unit="mean prizes",
+        least=0.0,
     )
     policy: str = option(
         "",
@@ -64,7 +72,10 @@ class BeamOptions(Options, method="beam"):
         "hundred is enough. Crowding and noise are then ignored.",
     )
     prior_weight: float = option(
-        0.05, "Worth of a unit of log-probability of the policy.", unit="mean prizes", least=0.0
+        0.05,
+        "Worth of a unit of log-probability of the policy when partial plans are compared.",
+        unit="mean prizes",
+        least=0.0,
     )
 
 

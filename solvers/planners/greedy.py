@@ -26,8 +26,13 @@ from ..routes.one_chaser import one_after_another
 class GreedyOptions(Options, method="greedy"):
     """Options of the planner ``greedy``."""
 
-    alpha: float = option(1.0, "Weight of ΔV.", unit="per m/s", least=0.0)
-    beta: float = option(0.0, "Weight of the time from ready to arrival.", unit="per s", least=0.0)
+    alpha: float = option(1.0, "Weight of ΔV in the cost of a move.", unit="per m/s", least=0.0)
+    beta: float = option(
+        0.0,
+        "Weight of the time from ready to arrival in the cost of a move.",
+        unit="per s",
+        least=0.0,
+    )
     time_value_m_s_per_h: float = option(
         -1.0,
         "Value of time: of all connections to a target, the one of least ΔV + value · (arrival − "
@@ -42,8 +47,8 @@ class GuardedOptions(GreedyOptions, method="greedy-guarded"):
 
     beta: float = option(
         -1.0,
-        "Weight of the time from ready to arrival. Below 0: 0.0125, which is 45 m/s per hour, or "
-        "less where planes drift.",
+        "Weight of the time from ready to arrival in the cost of a move. Below 0: 0.0125, which is "
+        "45 m/s per hour, or less where planes drift.",
         unit="per s",
     )
 

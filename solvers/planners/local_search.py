@@ -42,7 +42,9 @@ FRUITLESS = 12
 class LocalSearchOptions(Options, method="local-search"):
     """Options of the planner ``local-search``."""
 
-    width: int = option(100, "Width of the beams used to recreate.", least=1, most=1_000_000)
+    width: int = option(
+        100, "Width of the beams that complete a ruined plan.", least=1, most=1_000_000
+    )
     recreations: int = option(10, "Ruin-and-recreate steps per iteration.", least=1)
 
 

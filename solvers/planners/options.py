@@ -40,7 +40,12 @@ class AutoOptions(ProofOptions, method="auto"):
     prove: bool = option(
         True, "Work on the bound as well; otherwise only beams and local search run."
     )
-    time_value_m_s_per_h: float = option(USUAL, "As for `beam`.", unit="m/s per h")
+    time_value_m_s_per_h: float = option(
+        USUAL,
+        "Value of time: of all connections to a target, beams consider the one of least ΔV + value "
+        "· (arrival − ready). Below 0: 110, and less where planes drift.",
+        unit="m/s per h",
+    )
     cost: bool = option(
         True, "Spend the time that is left once the prizes are proven on the least cost."
     )

@@ -17,14 +17,166 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed, write
 from adr_opt.kernels.core.windows import opening
 
-from .insertion import new_gaps
+from .insertion import best_position, find_gaps, insert, new_gaps
 from .orders import copy_order, count_all, is_possible, new_order, time_back, time_forth
-from .recreate import insert_best, insert_in_turn
-from .ruin import ruin
+from .strings import LONGEST_STRING, mark_strings, take_out
+
+PASSED_OVER = 0.03
+"""Probability that a position is skipped when targets are inserted in turn."""
+
+MOST_TRIED, MOST_COMPARED = 250, 120
+"""Maximum number of missing targets tried, and number compared at each insertion."""
+
+BY_REGRET = 0.2
+"""Share of the other iterations that insert by regret."""
+
+SELDOM = 0.003
+"""Share of iterations for which a target counts as missing that never was."""
+
+
+@kernel
+def _draw_missing(terms, order, length, absent, by_need, rng):
+    """Missing targets to be tried, in the order of insertion."""
+    terms, order = borrowed(terms), borrowed(order)
+    missing = order.nodes.size - length
+    keys, way = np.empty(missing), rng.random()
+    for m in range(missing):
+        j, drawn = order.nodes[length + m], rng.random()
+        if way < 0.2:
+            keys[m] = drawn
+        elif way < 0.5:
+            keys[m] = drawn - absent[j]
+        elif by_need:
+            keys[m] = -drawn * (absent[j] + SELDOM)
+        else:
+            keys[m] = -terms.prize[j] * (0.3 + drawn)
+    ranks = rising(keys, missing)
+    wanted = np.empty(min(missing, MOST_TRIED), np.int64)
+    for m in range(wanted.size):
+        wanted[m] = order.nodes[length + ranks[m]]
+    return wanted
+
+
+@kernel
+def insert_in_turn(ways, terms, order, length, gaps, absent, deadline, by_slack, rng):  # noqa: PLR0913
+    """Insert missing targets in a random order; returns the number of stops."""
+    ways, terms, order = borrowed(ways), borrowed(terms), borrowed(order)
+    gaps = borrowed(gaps)
+    drawn = _draw_missing(terms, order, length, absent, by_slack, rng)
+    find_gaps(ways, terms, order, length, by_slack, gaps)
+    for j in drawn:
+        position, chaser, _, _ = best_position(
+            ways, terms, order, gaps, length, j, PASSED_OVER, rng
+        )
+        if position >= 0:
+            insert(ways, order, length, j, position, chaser, deadline)
+            length += 1
+            find_gaps(ways, terms, order, length, by_slack, gaps)
+    return length
+
+
+@kernel
+def insert_best(ways, terms, order, length, gaps, absent, deadline, pace, rng):  # noqa: PLR0913
+    """Insert the best missing target repeatedly; returns the number of stops."""
+    ways, terms, order = borrowed(ways), borrowed(terms), borrowed(order)
+    gaps = borrowed(gaps)
+    drawn = _draw_missing(terms, order, length, absent, False, rng)
+    left = min(drawn.size, MOST_COMPARED)
+    by_regret, power = rng.random() < BY_REGRET, 1.0 + rng.random()
+    worth = np.empty(left)
+    for m in range(left):
+        worth[m] = terms.prize[drawn[m]] ** power
+    while left > 0:
+        find_gaps(ways, terms, order, length, False, gaps)
+        best, most, where, whose, kept = -1, -math.inf, -1, -1, 0
+        for m in range(left):
+            j = drawn[m]
+            position, chaser, delay, second = best_position(
+                ways, terms, order, gaps, length, j, 0.0, rng
+            )
+            if position < 0:
+                continue
+            gain = (0.8 + 0.4 * rng.random()) * worth[m]
+            gain *= (
+                min(second - delay, 10.0 * pace) if by_regret else 1.0 / (max(delay, 0.0) + pace)
+            )
+            if gain > most:
+                best, most, where, whose = kept, gain, position, chaser
+            drawn[kept], worth[kept] = j, worth[m]
+            kept += 1
+        if best < 0:
+            break
+        insert(ways, order, length, drawn[best], where, whose, deadline)
+        length += 1
+        left = kept - 1
+        drawn[best], worth[best] = drawn[left], worth[left]
+    return length
+
+
+STRINGS, ONE_STRING, AT_RANDOM = 0.6, 0.8, 0.95
+"""Cumulative shares of the ruin operators; the last removes the least worthwhile targets."""
+
+
+@kernel
+def _mark_strings(ways, order, length, near, rng, out):
+    """Mark strings of stops near a random target."""
+    nodes, place = order.nodes, np.full(ways.bodies, -1)
+    for p in range(length):
+        if nodes[p] < ways.bodies:
+            place[nodes[p]] = p
+    targets = nodes.size - 2 * order.visited.size
+    at = rng.integers(0, targets)
+    seed = near[0, at]
+    mark_strings(near, place, seed, length, rng, out)
+
+
+@kernel
+def ruin(ways, terms, order, length, near, full, rng):
+    """Remove targets from an order; only a few strings once the order is ``full``.
+
+    Returns
+    -------
+    length, first, last : int
+        Stops left; positions before ``first`` are as they were, and so are those from ``last`` on,
+        counted anew.
+    """
+    ways, terms, order = borrowed(ways), borrowed(terms), borrowed(order)
+    nodes, bodies = order.nodes, ways.bodies
+    out = np.zeros(length, np.bool_)
+    visited = length - 2 * order.visited.size
+    way = rng.random()
+    if full or way < STRINGS:
+        _mark_strings(ways, order, length, near, rng, out)
+    elif way < ONE_STRING:
+        size = min(1 + rng.integers(0, max(1, min(visited, 10 * LONGEST_STRING) // 2)), length)
+        begin = rng.integers(0, length - size + 1)
+        for p in range(begin, begin + size):
+            out[p] = True
+    elif way < AT_RANDOM:
+        for _ in range(rng.integers(1, max(2, min(visited, 10 * LONGEST_STRING) // 3))):
+            out[rng.integers(0, length)] = True
+    else:
+        keys = np.empty(length)
+        for p in range(length):
+            keys[p] = math.inf
+            if nodes[p] < bodies:
+                keys[p] = terms.prize[nodes[p]] * rng.random()
+        ranks = rising(keys, length)
+        for m in range(min(visited, rng.integers(1, 2 * LONGEST_STRING))):
+            out[ranks[m]] = True
+    for p in range(length):
+        out[p] = out[p] and nodes[p] < bodies
+    size, first, last = take_out(nodes, out, length)
+    count_all(ways, order, size)
+    return size, first, last + 1
+
 
 ONE_BY_ONE = 0.6
 """Share of the iterations that insert targets in a random order."""

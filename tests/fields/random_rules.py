@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from eccentric_fields import eccentric
+from fields import eccentric
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M

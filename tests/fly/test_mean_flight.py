@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 from drifting_plans import drifting_instance, drifting_plan
-from eccentric_fields import eccentric
+from fields import eccentric
 from plans import solved, unjudged, with_legs
 from towed_fields import field
 

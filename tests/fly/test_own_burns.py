@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from eccentric_fields import eccentric
+from fields import eccentric
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from conftest import Cli
 from drifting_plans import drifting_instance, drifting_plan
-from eccentric_fields import eccentric
+from fields import eccentric
 from plans import moved_to, solved, unjudged, with_legs
 from seeds import first_of
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from conftest import Cli, refused
-from eccentric_fields import eccentric
+from fields import eccentric
 from seeds import first_of
 from small_missions import random_mission
 

@@ -10,7 +10,7 @@ import pytest
 from against_enumeration import held
 from catalogue_files import as_json, field
 from conftest import Cli, refused
-from eccentric_fields import eccentric
+from fields import eccentric
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_rules import rounding_mission

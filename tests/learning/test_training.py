@@ -35,8 +35,8 @@ from adr_opt.kernels.episodes.choices import IS_STATION, LEGAL  # noqa: E402
 from adr_opt.learning import SetPolicy, evaluate, load_policy, write_policy  # noqa: E402
 from adr_opt.learning.environment import fields  # noqa: E402
 from adr_opt.learning.environment.vector import MissionVecEnv  # noqa: E402
-from adr_opt.learning.evaluation import UNCERTAIN, digest, splits  # noqa: E402
-from adr_opt.learning.held import FAMILIES, HELD_FIELDS, HELD_SEED, HeldFields  # noqa: E402
+from adr_opt.learning.evaluation import APART, UNCERTAIN, digest, splits  # noqa: E402
+from adr_opt.learning.held import FAMILIES, HELD_FIELDS, HELD_SEED, HeldFields, chaser_by_chaser  # noqa: E402
 from adr_opt.learning.training import configs, imitation, trainer  # noqa: E402
 from adr_opt.learning.training.checkpoints import read_checkpoint, read_state, write_checkpoint  # noqa: E402
 from adr_opt.learning.training.runs import TrainingRun, locked  # noqa: E402
@@ -131,7 +131,7 @@ def test_a_folder_of_another_training_is_refused(tmp_path: Path) -> None:
 
 BRIEF = replace(
     configs.config_of("policy"),
-    fields=fields.Fields(targets=(3, 5)),
+    kinds={"few": fields.Fields(targets=(3, 5))},
     missions=2,
     rollout=16,
     batch=8,
@@ -146,7 +146,7 @@ BRIEF = replace(
 def _model(seed: int = 0) -> tuple[MaskablePPO, MissionVecEnv]:
     """A model that learns in them."""
     config = BRIEF
-    env = MissionVecEnv(2, config.fields, observation=config.observation, slots=2, seed=seed)
+    env = MissionVecEnv(2, tuple(config.kinds.values()), slots=2, seed=seed)
     return trainer.model_of(config, env, seed, "cpu"), env
 
 
@@ -299,6 +299,7 @@ def test_bad_calls_of_train(cli, tmp_path: Path) -> None:
         ("--out", "run", "--rollout", "0"),
         ("--out", "run", "--rate", "0"),
         ("--out", "run", "--imitate", "-1"),
+        ("--out", "run", "--kinds", "clouds"),
         ("--config", "published", "--out", "run", "--imitate", "5"),
         ("--out", "file"),
         ("--out", "file/run"),
@@ -372,8 +373,9 @@ def test_models_that_planners_cannot_run_are_refused(tmp_path: Path) -> None:
 
 def test_evaluations_say_what_a_policy_collects() -> None:
     """Means of a block are those of its fields, gaps are to bounds, and more plans are no worse."""
-    greedy, several = (evaluate(split="test", fields=2, budget=budget) for budget in (1, 3))
-    assert tuple(greedy) == (*FAMILIES, UNCERTAIN)
+    kinds = (*FAMILIES, UNCERTAIN)
+    greedy, several = (evaluate(fields=2, budget=budget, kinds=kinds) for budget in (1, 3))
+    assert tuple(greedy) == kinds
     for family, row in greedy.items():
         first = splits()["blocks"]["test"]["first"]
         assert row.seeds.tolist() == [first, first + 1]
@@ -385,14 +387,14 @@ def test_evaluations_say_what_a_policy_collects() -> None:
         for seed, visits, bound in zip(row.seeds, row.visits, row.optima, strict=True):
             if str(seed) in known:
                 assert visits <= bound == known[str(seed)][1]
-    for wrong in ({"split": "other"}, {"budget": 0}, {"fields": 10**6}):
+    for wrong in ({"split": "2.1"}, {"budget": 0}, {"fields": 10**6}, {"kinds": ["other"]}):
         with pytest.raises(InputError):
             evaluate(**wrong)  # type: ignore[arg-type]
 
 
 def test_a_policy_is_compared_with_beams_field_by_field() -> None:
     """Leads are differences of visits, and a wider beam is the one that collects no less here."""
-    found = evaluate(fields=2, beams=(1, 30))
+    found = evaluate(fields=2, beams=(1, 30), kinds=(*FAMILIES, UNCERTAIN))
     for family in FAMILIES:
         of = found[family]
         assert of.lead(30)[0] == (of.visits - of.beams[30].visits).mean()
@@ -401,12 +403,38 @@ def test_a_policy_is_compared_with_beams_field_by_field() -> None:
     assert not found[UNCERTAIN].beams
 
 
-@over_seeds(range(100), gate=1)
-def test_the_sealed_block_is_the_one_announced(seed: int) -> None:
-    """Fields of the block of the test have the digests that are in the package."""
-    block = splits()["blocks"]["test"]
+def test_campaigns_and_clouds_are_evaluated_on_fields_of_their_own() -> None:
+    """Three chasers collect more than one does, by the policy and by beams, and no target twice."""
+    found = evaluate(fields=1, beams=(1,), kinds=APART)
+    first = splits()["blocks"]["test"]["apart"]
+    for kind, row in found.items():
+        assert row.seeds.tolist() == [first]
+        alone = adr_opt.solve(adr_opt.generate(kind, first, chasers=1), "ppo").objective
+        assert alone <= row.visits[0] <= 50
+        assert (row.visits[0] > alone) == (kind == "campaign")
+        beam = adr_opt.solve(adr_opt.generate(kind, first, chasers=1), "beam", width=1).objective
+        assert (row.beams[1].visits[0] > beam) == (kind == "campaign")
+
+
+@over_seeds(range(200), gate=2)
+def test_sealed_blocks_are_those_announced(seed: int) -> None:
+    """Fields of the block of the test, and of that of the next release, have their digests."""
+    names, part = ("test", "2.1"), seed // 2
+    block = (splits()["blocks"] | splits()["announced"])[names[seed % 2]]
     assert len(block["digests"]) * block["each"] == block["fields"]
-    assert digest(block["first"] + seed * block["each"], block["each"]) == block["digests"][seed]
+    assert digest(block["first"] + part * block["each"], block["each"]) == block["digests"][part]
+
+
+def test_no_other_seed_is_in_the_block_of_the_next_release() -> None:
+    """It overlaps no block by which anything was judged, and trainings draw from above it."""
+    (sealed,) = splits()["announced"].values()
+    assert not sealed["bounds"]
+    inside = range(sealed["first"], sealed["first"] + sealed["fields"])
+    assert inside.stop <= fields.FIRST_SEED
+    for block in splits()["blocks"].values():
+        for first in (block["first"], block["apart"]):
+            assert first not in inside
+            assert first + block["fields"] - 1 not in inside
 
 
 @over_seeds(range(40), gate=2)
@@ -421,6 +449,34 @@ def test_what_is_imitated_can_be_played(seed: int) -> None:
     # Prizes of these fields are equal, and only a station has none.
     gained = [one.to_go - next.to_go for one, next in pairwise(states)]
     assert gained == [float(state.moves[state.action, IS_STATION] == 0.0) for state in states[:-1]]
+
+
+def test_each_chaser_of_a_campaign_is_imitated() -> None:
+    """Chasers plan in turn what is left, and all their moves are states that can be played."""
+    field = adr_opt.generate("campaign", 9_500_000, targets=14).with_limits(2.0 * 86400.0)
+    plans = list[adr_opt.Plan]()
+    for mission in chaser_by_chaser(field, plans):
+        plan = adr_opt.solve(mission, "beam", width=10, time_limit=math.inf).plan
+        assert plan is not None
+        plans.append(plan)
+    visited = [name for plan in plans for name in plan.destinations if name != "station"]
+    assert len(plans) > 1
+    assert len(visited) == len(set(visited))
+    alone = adr_opt.Mission(field.replace(chasers=field.chasers[:1]))
+    states = imitation.states_of(alone, *plans)
+    assert len(states) == sum(len(plan.legs) for plan in plans)
+    assert all(state.moves[state.action, LEGAL] == 1.0 for state in states)
+
+
+def test_kinds_of_missions_are_chosen_by_name(tmp_path: Path) -> None:
+    """A training has the kinds it was given, and its card names them; others are refused."""
+    config = configs.config_of("policy", "campaign, cloud")
+    assert dict(config.kinds) == {name: configs.KINDS[name] for name in ("campaign", "cloud")}
+    assert dict(configs.config_of("policy").kinds) == {"varied": configs.TRAINED}
+    run = TrainingRun(tmp_path, config, 0)
+    assert run.card(0)["kinds"] == ["campaign", "cloud"]
+    with pytest.raises(InputError, match="'clouds' is unknown; use some of: varied, nominal"):
+        configs.config_of("policy", "varied,clouds")
 
 
 def test_imitation_is_a_better_beginning_than_none(tmp_path: Path) -> None:

@@ -150,6 +150,68 @@ def test_a_field_is_replaced_only_when_nobody_is_on_it() -> None:
     env.close()
 
 
+CAMPAIGN = Fields("campaign", targets=(6, 9), delta_v_m_s=(150.0, 600.0))
+CLOUD = Fields("cloud", targets=(4, 7), duration_s=(86400.0, 172800.0))
+
+
+def test_several_distributions_have_slots_in_turn() -> None:
+    """Fields and budgets of a slot are those of its distribution, and stay so when replaced."""
+    kinds = (SMALL, CAMPAIGN, CLOUD)
+    env = vector(fields=kinds, slots=6, refresh_every=20)
+    rng = np.random.default_rng(4)
+    env.reset()
+    for _ in range(40):
+        for slot, field in enumerate(env.pool.instances):
+            assert field is not None
+            assert field.name.startswith(kinds[slot % 3].family)
+        for slot, budget in zip(env.episodes.slot, env.episodes.budget, strict=True):
+            low, high = kinds[slot % 3].delta_v_m_s or (4000.0, 4000.0)
+            assert low <= budget <= high
+        env.step(choose(env, rng))
+    env.close()
+
+
+def test_one_distribution_in_a_sequence_is_that_one() -> None:
+    """Alone or as the only one of several, a distribution gives the same missions by a seed."""
+    one, other = vector(refresh_every=20), vector(fields=(SMALL,), refresh_every=20)
+    for env in (one, other):
+        env.reset()
+    rng = np.random.default_rng(5)
+    for _ in range(30):
+        actions = choose(one, rng)
+        for mine, theirs in zip(
+            parts(one.step(actions)[0]), parts(other.step(actions)[0]), strict=True
+        ):
+            np.testing.assert_array_equal(mine, theirs)
+    one.close()
+    other.close()
+
+
+@pytest.mark.parametrize("uncertainty", [None, {"capture": {"success": 0.5}, "gone": 0.1}])
+def test_a_campaign_is_played_chaser_by_chaser(uncertainty: Any) -> None:
+    """The next chaser begins with a full tank at the start, and with the targets that are left."""
+    env, rng = vector(count=6, fields=CAMPAIGN, uncertainty=uncertainty), np.random.default_rng(6)
+    env.reset()
+    handed = 0
+    for _ in range(200):
+        left, slots = env._next_chasers.copy(), env.episodes.slot.copy()
+        before = env.episodes.visited.copy()
+        ended = env.step(choose(env, rng))[2]
+        now, bodies = env.episodes, env.pool.arrays.counts[env.episodes.slot, 0]
+        for index in np.flatnonzero(ended):
+            assert now.time[index] == 0.0
+            assert now.left[index] >= now.budget[index]
+            if not now.visited[index, : bodies[index]].any():
+                assert env._next_chasers[index] == 2  # another mission
+                continue
+            assert env._next_chasers[index] == left[index] - 1
+            assert now.slot[index] == slots[index]
+            assert now.visited[index][before[index]].all()
+            handed += 1
+    assert handed > 12
+    env.close()
+
+
 def test_seeding_again_begins_again() -> None:
     """A reset after ``seed`` starts from that seed alone; without it, the draws go on."""
     env = vector()
@@ -281,6 +343,8 @@ WRONG: dict[str, Callable[[], Any]] = {
     "call step_async first": lambda: _begun().step_wait(),
     "takes no options": lambda: _with_options().reset(),
     "set it without indices": lambda: vector().set_attr("mood", "bad", indices=[0]),
+    "6 distributions do not fit a pool of 5 slots": lambda: vector(fields=(SMALL,) * 6),
+    "all have the same dynamics": lambda: vector(fields=(SMALL, DRIFTING)),
     "allow no move at all": lambda: vector(fields=Fields("tiny", delta_v_m_s=(0.1, 0.2))).reset(),
 }
 

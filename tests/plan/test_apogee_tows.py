@@ -25,7 +25,7 @@ from adr_opt.fly.trajectory.bodies import body_states
 from adr_opt.fly.trajectory.kepler import propagate
 from adr_opt.judge.check.connections import sample_connections
 from adr_opt.judge.check.towed import towed_bodies
-from adr_opt.judge.refined.release import released
+from adr_opt.judge.refined.flight import released
 from adr_opt.judge.refined.verdict import check_refined
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.kernels.orbits.gravity import FIELDS

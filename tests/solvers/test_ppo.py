@@ -188,10 +188,10 @@ def test_what_is_no_policy_is_refused_in_a_sentence(tmp_path: Path) -> None:
         {"more": np.zeros(1, np.float32)},
         {"encode.bias": np.zeros((), np.float32)},
     ):
-        with pytest.raises(InputError, match="no weights of the policy's network"):
+        with pytest.raises(InputError, match="weights do not fit the policy's network"):
             Policy(arrays | change, {})
     for missing in ("encode.bias", "attend_1.bias"):
-        with pytest.raises(InputError, match="no weights"):
+        with pytest.raises(InputError, match="weights do not fit"):
             Policy({name: of for name, of in arrays.items() if name != missing}, {})
     (tmp_path / "text.npz").write_text("no weights", encoding="utf-8")
     np.savez(tmp_path / "other.npz", card=np.zeros(3))

@@ -23,8 +23,7 @@ from solvers.labels.waiting import (
     room,
 )
 from solvers.networks.arrays import Network
-from solvers.networks.dominated_legs import LOOK_BACK
-from solvers.networks.network import build
+from solvers.networks.network import LOOK_BACK, build
 
 LABELS = 900
 

@@ -401,7 +401,7 @@ def test_one_is_said_in_the_singular(cli: Cli) -> None:
     if importlib.util.find_spec("plotly") is not None:
         said += cli("report", "one.json", "plan.json", "--out", "plan.html").err
         page = Path("plan.html").read_text(encoding="utf-8")
-        said += page.partition("<main>")[2].partition('<div class="controls">')[0]
+        said += page.partition("<main>")[2].partition('<div class="phases"')[0]
     assert said.count("1 leg") >= 3
     assert "1 target" in said
     assert re.findall(r"\b1 [a-z]+s\b(?! of)", said) == []

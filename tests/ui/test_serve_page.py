@@ -41,7 +41,7 @@ def test_prizes_are_changed_planned_and_undone(tmp_path: Path) -> None:
         assert adr_opt.load(work / "draft.json").targets[0].prize == 5.0
         put(tab, "Prize of north", "-5")
         tab.wait_for("!document.getElementById('error').hidden")
-        assert "prize = -5" in text(tab, "error")
+        assert "“Prize” = -5" in text(tab, "error")
         assert tab.evaluate("document.querySelector('[aria-label=\"Prize of north\"]').value") == (
             "5"
         )

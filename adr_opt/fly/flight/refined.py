@@ -17,8 +17,8 @@ import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...judge.admit import TANK, AnyRefined, admit
+from ...judge.refined.flight import released
 from ...judge.refined.holding import found_m_s
-from ...judge.refined.release import released
 from ...judge.refined.thrust import Course, ThrustFlown, fly_thrust, refuse_wrong_thrust
 from ...judge.refined.world import BodyStates, FreeMotion, Towing, begun, reported_of
 from ...plan.launched import as_launched

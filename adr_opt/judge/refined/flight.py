@@ -1,4 +1,7 @@
-"""Whether the states of refined legs follow from their burns, and end at their bodies."""
+"""Whether the states of refined legs follow from their burns, and end at their bodies.
+
+An object is released on the means of its osculating elements over a lap.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ from ..check.altitude import Heights
 from ..check.missed import CAPTURE_REVOLUTIONS, nearest_m, violations
 from ..check.violation import MOST_RELEASE_OFF_M, Violation
 from .holding import LEAST_SHARE, SPARE_M_S, found_m_s
-from .release import released
+from .propagation import advance, elements_of
 from .tanks import Masses, chasers_of, planned_masses
 from .thrust import (
     MOST_SHADOW_S,
@@ -48,6 +51,12 @@ OSCULATION_M = 10e3
 
 WATCHED = 24
 """Times per revolution at which the altitude of a body with an ephemeris is sampled."""
+
+PLACES = 144
+"""Number of times in a revolution over which elements are averaged."""
+
+STEPS = 2
+"""Integration steps between two of those times."""
 
 
 class _Passed(NamedTuple):
@@ -341,3 +350,44 @@ def _check_limits(judge: _Judge, lowest_m: float, shadow_s: float) -> Iterator[V
 
 def _array(state: RefinedState) -> Array:
     return np.array([*state.position_m, *state.velocity_m_s])
+
+
+class Released(NamedTuple):
+    """The orbit of a released object.
+
+    Attributes
+    ----------
+    altitude_m : float
+        Mean semi-major axis above the radius of the Earth.
+    eccentricity : float
+        Of the mean eccentricity vector.
+    """
+
+    altitude_m: float
+    eccentricity: float
+
+
+def released(state: npt.NDArray[np.float64], zonals: npt.NDArray[np.float64]) -> Released:
+    """Mean size and shape of the orbit from a state on.
+
+    Harmonics change both within a revolution, by some kilometres; their means over one do not
+    change to first order.
+
+    Parameters
+    ----------
+    state : (6,) float64
+        [m, m/s].
+    zonals : (3,) float64
+        J2, J3 and J4.
+    """
+    elements = elements_of(state)
+    revolution = math.tau * math.sqrt(_axis(elements) ** 3 / MU_M3_S2)
+    axes, shapes = np.empty(PLACES), np.empty((PLACES, 2))
+    for place in range(PLACES):
+        axes[place], shapes[place] = _axis(elements), elements[1:3]
+        advance(elements, revolution / PLACES, STEPS, zonals)
+    return Released(float(axes.mean()) - EARTH_RADIUS_M, math.hypot(*shapes.mean(axis=0)))
+
+
+def _axis(elements: npt.NDArray[np.float64]) -> float:
+    return float(elements[0] / (1.0 - elements[1] ** 2 - elements[2] ** 2))

@@ -23,7 +23,7 @@ which leaves radii r_k a comb apart. The leg takes the cheaper of the two teeth 
 free phase. Teeth are half a lap away at most, which is 90 m/s for a leg of a day and 1 m/s for one
 of three months.
 
-Legs by free burns have the price of :mod:`.drift_shape` instead.
+Legs by free burns have the price of :mod:`.drift_free` instead.
 """
 
 import math
@@ -35,9 +35,17 @@ from ...common.constants import TURN_RAD
 from ..core.compile import inlined, kernel
 from . import drift_pair
 from .drift_arcs import NodeSeries, coast, moved
-from .drift_free import NEAR_M_S, first_guess, free_phase, matched, rest_of
+from .drift_free import (
+    CLOSER_M_S,
+    NEAR_M_S,
+    directed,
+    first_guess,
+    free_phase,
+    in_plane,
+    matched,
+    rest_of,
+)
 from .drift_pair import climb_to, radius_of
-from .drift_shape import CLOSER_M_S, directed, in_plane
 
 MOST_STEPS = 40
 """Maximum number of Newton steps."""
@@ -229,7 +237,7 @@ def split(pair, task, free):
 
 @inlined
 def free_split(pair, task, free):
-    """The tooth of least M, with the price of free burns (:mod:`.drift_shape`).
+    """The tooth of least M, with the price of free burns (:mod:`.drift_free`).
 
     M is convex but for the curvature of rates: of the teeth about the optimum of free phase the
     better one is best of all, and where one is as near as the error of that optimum, others are

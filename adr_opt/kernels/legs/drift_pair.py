@@ -44,7 +44,7 @@ class DriftPair(NamedTuple):
     oblateness : float
         J2 R² [m²].
     free : bool
-        Whether a leg has the price of free burns (:mod:`.drift_shape`).
+        Whether a leg has the price of free burns (:mod:`.drift_free`).
     perigee_i, perigee_rate_i : float
         ω_i at t = 0 [rad], and its rate [rad/s].
     """

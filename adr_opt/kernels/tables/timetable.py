@@ -13,8 +13,6 @@ not; then a table holds when the connections depart that are ever chosen, and no
 A table need not hold all pairs. Those that it does not hold have no event. With too many bodies
 for the memory of all pairs, each origin has room for its nearest destinations
 alone, and :attr:`Table.slot` tells their places; or it holds none at all (:mod:`.on_demand`).
-
-Hints are worked out for ready times a fixed step apart, see :func:`steps_begun`.
 """
 
 import math
@@ -26,9 +24,6 @@ from ..core.compile import inlined, kernel
 from ..core.events import counted_event, earliest_taken
 from . import on_demand
 
-LEAST_STEPS = 500
-"""Least number of steps of the duration where events are irregular."""
-
 
 class Table(NamedTuple):
     """ΔV and arrival of the connection chosen at every departure event, exactly.
@@ -38,8 +33,8 @@ class Table(NamedTuple):
     first : (bodies, slots) float64
         Time of the first departure event of the pair (origin, destination) [s].
     spacing : (bodies,) float64
-        Time between events of an origin: half its period, or its multiple; where events are not
-        regular, the step of the times that hints are worked out for [s].
+        Time between events of an origin: half its period, or its multiple; 0 where events are not
+        regular [s].
     total : (bodies, slots) int32
         Number of events at or before the end of the mission; 0 on the diagonal, and of a pair that
         the table does not hold.
@@ -134,12 +129,6 @@ def most_events(table: Table) -> int:
     return int(table.entries.shape[-3])
 
 
-def most_steps(table: Table) -> int:
-    """Maximum number of hint times: values of :func:`steps_begun` from 0 on."""
-    most = most_events(table)
-    return most if is_regular(table) else max(most, LEAST_STEPS) + 1
-
-
 def is_regular(table: Table) -> bool:
     """Whether events are equally spaced in time."""
     return int(table.departure.shape[-2]) == 0
@@ -229,22 +218,6 @@ def _looked_up(source, table, i, j, time):
     if m >= table.total[i, slot]:
         return math.inf, math.inf
     return table.entries[i, m, slot, 0], table.entries[i, m, slot, 1]
-
-
-@inlined
-def steps_begun(table, i, time):
-    """Number of steps of a body begun by a time.
-
-    A step is its half period, from event to event of any pair; where events are irregular, it is
-    the same part of the mission for all bodies.
-    """
-    return math.ceil(time / table.spacing[i])
-
-
-@inlined
-def after_steps(table, i, number):
-    """Time after a number of steps of a body [s]."""
-    return number * table.spacing[i]
 
 
 @kernel

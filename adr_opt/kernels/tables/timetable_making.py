@@ -13,7 +13,7 @@ from ..legs import co_elliptic, sequences
 from ..legs.found import ConnectionArrays
 from ..orbits.ephemeris import EPOCH_S, revolution_at
 from .on_demand import Source
-from .timetable import LEAST_STEPS, NO_SLOTS, Table, slot_of
+from .timetable import NO_SLOTS, Table, slot_of
 
 
 class ServiceLimits(NamedTuple):
@@ -165,9 +165,7 @@ def choose(found, limits, j, time_value, taken):
     return count
 
 
-def pack(
-    bodies: int, chosen: dict[tuple[int, int], ConnectionArrays], duration: float, slot: np.ndarray
-) -> Table:
+def pack(bodies: int, chosen: dict[tuple[int, int], ConnectionArrays], slot: np.ndarray) -> Table:
     """A table with irregular events.
 
     Parameters
@@ -175,8 +173,6 @@ def pack(
     bodies : int
     chosen : dict of (origin, destination) to ConnectionArrays
         For each pair the connections chosen, in order of departure.
-    duration : float
-        Of the mission [s].
     slot : (bodies, bodies) int16
         As in :class:`Table`.
     """
@@ -184,7 +180,7 @@ def pack(
     table = allocate(bodies, most, slot, regular=False)
     table.first[:], table.entries[:] = 0.0, math.inf
     table.departure[:] = math.inf
-    table.spacing[:] = max(duration, 1.0) / max(most, LEAST_STEPS) * (1.0 + 1e-9)
+    table.spacing[:] = 0.0
     for (i, j), found in chosen.items():
         count, at = found.departure.size, slot[i, j] if slot.size else j
         table.total[i, at] = count

@@ -34,9 +34,10 @@ def ready(instance: Instance) -> Mission:
     return mission
 
 
-def _lowest_m(instance: Instance) -> float:
-    """Radius of the lowest body [m]."""
-    return float(elements.radii(instance.orbits(), EPOCH_S).min())
+def _revolutions(instance: Instance) -> float:
+    """Revolutions of the lowest body in a mission, but for a factor common to all."""
+    lowest_m = float(elements.radii(instance.orbits(), EPOCH_S).min())
+    return float(instance.mission.duration_s * lowest_m**-1.5)
 
 
 def work_out(instances: Sequence[Instance], bodies: int, workers: ThreadPoolExecutor) -> FieldPool:
@@ -55,7 +56,7 @@ def work_out(instances: Sequence[Instance], bodies: int, workers: ThreadPoolExec
     missions = workers.map(ready, instances)
     if regular:
         # The lowest body has the most departure events; fields drawn later may be a little lower.
-        lowest = ready(min(instances, key=_lowest_m))
+        lowest = ready(max(instances, key=_revolutions))
         events = lowest.timetable.most_events
         events += 4 + events // 32
     else:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
+from ...kernels.orbits.ephemeris import planes_drift
 from ...problem.instance import Instance
 from ...sources.generator import family, generate
 from ..episodes import playing_time_s
@@ -62,28 +63,29 @@ class Fields:
     Attributes
     ----------
     family : str
-        Family of the generator; it sets what the ranges leave open.
+        Family of the generator; it sets what is None below.
     targets : (int, int), optional
-        Least and most targets, both possible; the family's number if None.
+        Smallest and largest number of targets, both included; the family's number if None.
     zones : (int, int)
-        Least and most keep-out zones.
+        Smallest and largest number of keep-out zones.
     delta_v_m_s, duration_s : (float, float), optional
-        Least and largest ΔV budget [m/s] and duration [s], drawn uniformly for every mission; the
-        family's if None.
+        Smallest and largest ΔV budget [m/s] and duration [s], drawn uniformly for every mission;
+        the family's if None.
     limits : tuple of Limits
-        Pairs of budget and duration that are drawn besides; plain pairs and dictionaries become
+        Pairs of ΔV budget and duration to draw from as well; plain pairs and dictionaries become
         :class:`Limits`.
     share_of_limits : float
-        How often one of ``limits`` is drawn, each equally often, instead of the ranges.
+        Probability that a mission has one of ``limits``, each equally likely, instead of a draw
+        from the ranges.
     share_of_family : float
-        How often a field keeps the family's number of targets instead of drawing one.
+        Probability that a field has the family's number of targets instead of a drawn one.
     dynamics : {"two-body", "j2"}, optional
         The family's if None.
 
     Raises
     ------
     InputError
-        A range that is empty or not positive, or a share that is no share.
+        A range that is empty or not positive, or a share that is not between 0 and 1.
     """
 
     family: str = "nominal"
@@ -156,6 +158,16 @@ class Fields:
         if self.targets is None:
             return most
         return max(self.targets[1], most) if self.share_of_family > 0.0 else self.targets[1]
+
+    @property
+    def chasers(self) -> int:
+        """How many chasers of a mission are played one after another."""
+        return family(self.family).chasers
+
+    @property
+    def drifts(self) -> bool:
+        """Whether planes drift."""
+        return family(self.family).drifts if self.dynamics is None else self.dynamics == "j2"
 
     @property
     def longest_s(self) -> float:
@@ -245,6 +257,16 @@ class Alone:
         return len(self.instance.targets)
 
     @property
+    def chasers(self) -> int:
+        """Its only chaser is played."""
+        return 1
+
+    @property
+    def drifts(self) -> bool:
+        """Whether planes drift."""
+        return planes_drift(self.instance.oblateness_m2)
+
+    @property
     def limits(self) -> tuple[float, float]:
         """Its ΔV budget [m/s] and duration [s], possibly 0."""
         return self.instance.chaser.tank.delta_v_m_s, playing_time_s(self.instance)
@@ -271,7 +293,7 @@ def fields_of(given: AnyFields) -> Fields:
     Raises
     ------
     InputError
-        It is none, see :class:`Fields`.
+        It is not one; see :class:`Fields`.
     """
     if isinstance(given, Fields):
         return given

@@ -101,14 +101,15 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         Where missions are drawn from otherwise: a distribution, the name of a family, or the fields
         of :class:`Fields` by name.
     pool : int
-        Number of fields that are drawn ahead; 0 to draw and work out another one at every reset.
+        Number of fields drawn in advance; with 0 every reset draws another one and works out its
+        timetable.
     pool_seed : int
-        Determines those fields; the seed of :meth:`reset` determines which of them is played.
+        Seed of these fields; the seed of :meth:`reset` determines which of them is played.
     observation : str
         One of :data:`adr_opt.learning.episodes.OBSERVATIONS`.
     render_mode : {"ansi", "rgb_array"}, optional
     uncertainty : Uncertainty, path or dict, or a sequence of them, optional
-        Episodes are played in worlds of it; of several, each episode draws one.
+        Episodes are played in uncertain worlds of this model; of several, each draws one.
 
     Attributes
     ----------

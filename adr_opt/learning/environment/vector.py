@@ -54,8 +54,10 @@ class MissionVecEnv(VecEnv):
     ----------
     count : int
         Missions at once.
-    fields : Fields, str or dict
-        Where fields, budgets and durations are drawn from.
+    fields : Fields, str, dict, or a sequence of Fields
+        Where fields, budgets and durations are drawn from; of several distributions, slots of the
+        pool have one each in turn. Missions with several chasers are played chaser by chaser: an
+        episode is that of one, and the next one finds the targets that are left.
     instance : Instance, path or dict, optional
         Play this one, in a pool of one slot, in place of drawn ones.
     observation : str
@@ -72,9 +74,9 @@ class MissionVecEnv(VecEnv):
     reward_scale : float
         Factor of every reward.
     seed : int
-        Fields and limits do not depend on the uncertainty.
+        Seed of all draws; fields and limits do not depend on the uncertainty.
     uncertainty : Uncertainty, path or dict, or a sequence of them, optional
-        Missions are played in worlds of it; of several, each draws one.
+        Missions are played in uncertain worlds of this model; of several, each draws one.
 
     Attributes
     ----------
@@ -95,7 +97,7 @@ class MissionVecEnv(VecEnv):
     def __init__(  # noqa: PLR0913
         self,
         count: int = 256,
-        fields: AnyFields = PUBLISHED,
+        fields: AnyFields | Sequence[Fields] = PUBLISHED,
         *,
         instance: AnyInstance | None = None,
         observation: str = "choices",
@@ -117,11 +119,20 @@ class MissionVecEnv(VecEnv):
                 raise InputError(f"{name} = {value!r}: must be a whole number from {least} on")
         if not math.isfinite(reward_scale):
             raise InputError(f"reward_scale = {reward_scale!r}: must be a finite number")
-        self.fields: Fields | Alone = fields_of(fields)
+        several = isinstance(fields, Sequence) and not isinstance(fields, str)
+        self.kinds: tuple[Fields | Alone, ...] = tuple(
+            fields_of(each) for each in (fields if several else [fields])
+        )
         if instance is not None:
-            self.fields, slots, refresh_every = Alone(instance_of(instance)), 1, 0
+            self.kinds, slots, refresh_every = (Alone(instance_of(instance)),), 1, 0
+        if not 1 <= len(self.kinds) <= slots:
+            raise InputError(
+                f"fields: {len(self.kinds)} distributions do not fit a pool of {slots} slots"
+            )
+        if len({each.drifts for each in self.kinds}) > 1:
+            raise InputError("fields: give distributions that all have the same dynamics")
         self._models = models_of(uncertainty)
-        self._targets = self.fields.most_targets
+        self._targets = max(each.most_targets for each in self.kinds)
         self.render_mode = None
         super().__init__(
             count, space(observation, self._targets), spaces.Discrete(self._targets + 1)
@@ -161,10 +172,11 @@ class MissionVecEnv(VecEnv):
         self._field_rng = np.random.default_rng(field_seed)
         self._rng = np.random.default_rng(episode_seed)
         self._world_rng = np.random.default_rng(world_seed)
-        instances = [self.fields.draw_field(self._field_rng) for _ in range(self._slots)]
+        instances = [self._draw_field(slot) for slot in range(self._slots)]
         self.pool = work_out(instances, self._targets + 1, self._workers)
         self.episodes = new_episodes(self.num_envs, self._targets + 1)
         self.episodes.slot[:] = -1
+        self._next_chasers = np.zeros(self.num_envs, dtype=np.int64)
         self._uncertain: UncertainPool | None = None
         self.worlds: world_kernels.Worlds | None = None
         if self._models:
@@ -200,6 +212,7 @@ class MissionVecEnv(VecEnv):
             self._begin(int(seed))
         self._fresh = False
         self._actions = None
+        self._next_chasers[:] = 0
         self._renew(np.arange(self.num_envs, dtype=np.int32))
         self._begun = True
         return self.observations()
@@ -274,9 +287,46 @@ class MissionVecEnv(VecEnv):
 
     # -- fields ----------------------------------------------------------------------------------
 
+    def _kind(self, slot: int) -> Fields | Alone:
+        return self.kinds[slot % len(self.kinds)]
+
+    def _draw_field(self, slot: int) -> Instance:
+        """Another field for a slot, with the first of its chasers alone."""
+        field = self._kind(slot).draw_field(self._field_rng)
+        return field if len(field.chasers) == 1 else field.replace(chasers=field.chasers[:1])
+
+    def _draw_limits(
+        self, slots: npt.NDArray[np.int64]
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Budgets [m/s] and durations [s] of missions on some slots."""
+        budgets, durations = np.empty(slots.size), np.empty(slots.size)
+        for number, kind in enumerate(self.kinds):
+            of = slots % len(self.kinds) == number
+            budgets[of], durations[of] = kind.draw_many_limits(self._rng, int(of.sum()))
+        return budgets, durations
+
+    def _hand_over(self, which: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
+        """Begin with the next chasers of some missions; returns those that have no further one."""
+        staying = which[self._next_chasers[which] > 0]
+        if not staying.size:
+            return which
+        episodes = self.episodes
+        self._next_chasers[staying] -= 1
+        visited = episodes.visited[staying]
+        begin = episodes.slot[staying], episodes.budget[staying], episodes.duration[staying]
+        kernels.begin_many(self.pool.arrays, episodes, staying, *begin)
+        if self.worlds is not None:
+            states = self.worlds.states
+            drawn = states.seed[staying], states.model[staying]
+            begin_in_worlds(self.pool, episodes, self.worlds, staying, drawn)
+        episodes.visited[staying] |= visited
+        self._look(staying)
+        return np.setdiff1d(which, staying[self._board.legal[staying] > 0])
+
     def _renew(self, which: npt.NDArray[np.int32]) -> None:
         """Restart missions on fields of the pool, drawn again if they have no legal first move."""
         board = self._board
+        which = self._hand_over(which)
         for _ in range(MOST_REDRAWS):
             before = self.episodes.slot[which]
             np.subtract.at(self._users, before[before >= 0], 1)
@@ -284,7 +334,9 @@ class MissionVecEnv(VecEnv):
             # No mission enters a field that is about to be replaced.
             slots[slots == self._retiring] = (self._retiring + 1) % self._slots
             np.add.at(self._users, slots, 1)
-            budgets, durations = self.fields.draw_many_limits(self._rng, which.size)
+            budgets, durations = self._draw_limits(slots)
+            chasers = np.array([each.chasers for each in self.kinds])
+            self._next_chasers[which] = chasers[slots % len(self.kinds)] - 1
             kernels.begin_many(self.pool.arrays, self.episodes, which, slots, budgets, durations)
             if self.worlds is not None:
                 seeds = self._world_rng.integers(LAST_WORLD, size=which.size)
@@ -320,7 +372,7 @@ class MissionVecEnv(VecEnv):
             self._steps -= self._refresh_every
             self._retiring = self._next_slot
             # Drawn here and now, worked out elsewhere: the order of the draws is certain.
-            self._awaited = self.fields.draw_field(self._field_rng)
+            self._awaited = self._draw_field(self._retiring)
             self._coming = self._builder.submit(ready, self._awaited)
         if self._coming is not None and not self._users[self._retiring]:
             mission = self._coming.result()

@@ -22,7 +22,7 @@ from ...common.files import write_bytes
 from ...common.json_text import loaded
 
 OPTIMIZER = "optimizer."
-"""Prefix of Adam's entries: number of the parameter and name of the moment."""
+"""Prefix of Adam's entries; the number of the parameter and the name of the moment follow."""
 
 NUMPY, TORCH = "random.numpy", "random.torch"
 """Global generators: NumPy's, which shuffles batches, and PyTorch's, which samples moves.

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...problem.uncertainty import (
     CaptureUncertainty,
@@ -15,7 +17,8 @@ from ...problem.uncertainty import (
     ServiceUncertainty,
     Uncertainty,
 )
-from ..environment.fields import BRIEF, FULL, LEAN, PUBLISHED, VARIED, Fields
+from ..environment.fields import BRIEF, FULL, LEAN, PUBLISHED, VARIED, Fields, Limits
+from ..environment.variants import REDUCED_FUEL, REDUCED_TIME
 from ..episodes.worlds import TROUBLED
 
 TRAINED = replace(
@@ -26,6 +29,25 @@ TRAINED = replace(
 )
 """As varied as :data:`VARIED`, but more often the three benchmark families, and short missions more
 often than long ones, which have more moves."""
+
+KINDS = {
+    "varied": TRAINED,
+    "nominal": PUBLISHED,
+    "reduced-time": REDUCED_TIME,
+    "reduced-fuel": REDUCED_FUEL,
+    "campaign": replace(
+        VARIED, family="campaign", delta_v_m_s=(500.0, 2000.0), limits=(LEAN,), share_of_limits=0.5
+    ),
+    "cloud": replace(
+        VARIED,
+        family="cloud",
+        duration_s=(3.0 * DAY_S, 10.0 * DAY_S),
+        limits=(Limits(4000.0, 10.0 * DAY_S),),
+        share_of_limits=0.5,
+    ),
+}
+"""Kinds of missions to train on: the usual mixture of the three benchmark families and others like
+them, each family alone, campaigns, and clouds of fragments."""
 
 DEAR = LegUncertainty(delta_v_factor=LognormalFactor(lognormal_sigma=0.1))
 SLOW = LognormalFactor(lognormal_sigma=0.5)
@@ -50,15 +72,17 @@ class Config:
     ----------
     name : str
     observation : {"choices", "published"}
-    fields : Fields
+    kinds : dict of str to Fields
+        Kinds of missions by name, each as often as the others.
     models : tuple of Uncertainty
-        Of the worlds of missions; known ones if there is none.
+        Models of uncertainty, of which each mission draws one; without any, all goes as planned.
     steps : int
-        Environment steps of the whole training.
+        Environment steps of the whole training, at least.
     missions, slots, refresh_every : int
-        Of the :class:`adr_opt.learning.environment.MissionVecEnv`.
+        ``count``, ``slots`` and ``refresh_every`` of the
+        :class:`adr_opt.learning.environment.MissionVecEnv`.
     rollout : int
-        Steps of each mission between two updates.
+        Steps of each mission between two updates of the network.
     batch, epochs, rate, gamma, gae_lambda, entropy
         Of PPO. From the share ``constant`` of all steps on, rate and entropy fall linearly to 0,
         and batches grow to four times their size.
@@ -66,10 +90,10 @@ class Config:
     reward_scale : float
         Factor of the rewards while training.
     imitated : int
-        Fields whose plans by beams are imitated before the first step.
+        Number of fields on which plans of beams are imitated before the first step.
     network : dict
-        Options of the set network, or with ``net_arch`` of Stable-Baselines3's multilayer
-        perceptron.
+        Options of :class:`.network.SetPolicy`, or, if it has ``net_arch``, of Stable-Baselines3's
+        multilayer perceptron.
 
     Raises
     ------
@@ -79,7 +103,7 @@ class Config:
 
     name: str
     observation: str
-    fields: Fields
+    kinds: Mapping[str, Fields]
     models: tuple[Uncertainty, ...]
     steps: int
     missions: int
@@ -119,7 +143,7 @@ class Config:
 POLICY = Config(
     name="policy",
     observation="choices",
-    fields=TRAINED,
+    kinds={"varied": TRAINED},
     models=MODELS,
     steps=6_000_000,
     missions=256,
@@ -140,7 +164,7 @@ POLICY = Config(
 PUBLISHED_CONFIG = Config(
     name="published",
     observation="published",
-    fields=PUBLISHED,
+    kinds={"nominal": PUBLISHED},
     models=(),
     steps=10_000_000,
     missions=128,
@@ -163,14 +187,28 @@ CONFIGS = {config.name: config for config in (POLICY, PUBLISHED_CONFIG)}
 """The configurations by name."""
 
 
-def config_of(name: str, **changed: Any) -> Config:
-    """The configuration with a name, with other numbers where they are not None.
+def config_of(name: str, kinds: str | None = None, **changed: Any) -> Config:
+    """The configuration with a name, with other kinds of missions or numbers if they are not None.
+
+    Parameters
+    ----------
+    name : str
+    kinds : str, optional
+        Names in :data:`KINDS`, separated by commas.
+    **changed
+        Numbers of :class:`Config` by name.
 
     Raises
     ------
     InputError
-        There is none of that name, or a number is out of range.
+        There is no configuration or kind of that name, or a number is out of range.
     """
     if name not in CONFIGS:
         raise InputError(f"config {name!r} is unknown; use one of: {', '.join(CONFIGS)}")
+    if kinds is not None:
+        chosen = [kind.strip() for kind in kinds.split(",")]
+        for kind in chosen:
+            if kind not in KINDS:
+                raise InputError(f"--kinds: {kind!r} is unknown; use some of: {', '.join(KINDS)}")
+        changed["kinds"] = {kind: KINDS[kind] for kind in chosen}
     return replace(CONFIGS[name], **{key: of for key, of in changed.items() if of is not None})

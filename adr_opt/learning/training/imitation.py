@@ -12,6 +12,7 @@ import torch
 
 from ...kernels.episodes import episodes as kernels
 from ...kernels.episodes.choices import LEGAL
+from ...kernels.episodes.episodes import HOME
 from ...kernels.episodes.set_scores import UNSEEN
 from ...mission.mission import Mission
 from ...plan.plan import Plan
@@ -19,16 +20,17 @@ from ...run.front import solve
 from ...sources.generator import generate
 from ..environment.fields import FIRST_SEED
 from ..episodes import Board, FieldPool, new_episodes, playing_time_s, start
+from ..held import chaser_by_chaser
 from .configs import Config
 
-FAMILIES = (*("reduced-time", "nominal", "reduced-fuel") * 3, "reduced-time")
-"""Families of the fields in turn."""
+FAMILIES = {"varied": (*("reduced-time", "nominal", "reduced-fuel") * 3, "reduced-time")}
+"""Families of the fields in turn, of kinds of missions that are not of one family."""
 
 WIDTH = 300
-"""Of the beams."""
+"""Width of the beams."""
 
 EPOCHS = 20
-"""Times that each state is learned from."""
+"""Passes over all states."""
 
 ILLEGAL = -1e8
 """Score of moves that are not legal."""
@@ -44,7 +46,7 @@ class TaughtState(NamedTuple):
     action : int
         The plan's next move.
     to_go : float
-        What the plan collects from there on [mean prizes].
+        What the plan of this chaser collects from there on [mean prizes].
     """
 
     moves: npt.NDArray[np.float32]
@@ -53,25 +55,29 @@ class TaughtState(NamedTuple):
     to_go: float
 
 
-def states_of(mission: Mission, plan: Plan) -> list[TaughtState]:
-    """States of a plan, as far as its moves are those of the environment.
+def states_of(mission: Mission, *plans: Plan) -> list[TaughtState]:
+    """States of plans, of each as far as its moves are those of the environment.
 
-    That has one connection for each move, and a plan may need another one.
+    That has one connection for each move, and a plan may need another one. Several plans are those
+    of chasers like that of the mission, which find what others have left.
     """
     pool, targets, instance = FieldPool.of(mission), len(mission.names) - 1, mission.instance
     episodes, rewards = new_episodes(1, targets + 1), np.zeros(1, dtype=np.float32)
     budget = instance.chaser.tank.delta_v_m_s - mission.reserve_m_s
-    start(pool, episodes, 0, 0, budget, playing_time_s(instance))
     bodies = {name: body for body, name in enumerate(mission.names)}
-    board, found = Board("choices", 1, targets), list[TaughtState]()
-    for leg in plan.legs:
-        board.observe(pool.arrays, episodes, 0, 1)
-        action = int(kernels.action_of(bodies[leg.destination], targets))
-        if not board.mask[0, action]:
-            break
-        seen, left = board.choices, plan.objective - float(episodes.collected[0])
-        found.append(TaughtState(seen.moves[0].copy(), seen.mission[0].copy(), action, left))
-        kernels.act(pool.arrays, episodes, 0, 1, np.array([action]), rewards)
+    board, found, gone = Board("choices", 1, targets), list[TaughtState](), list[int]()
+    for plan in plans:
+        start(pool, episodes, 0, 0, budget, playing_time_s(instance))
+        episodes.visited[0, gone] = True
+        for leg in plan.legs:
+            board.observe(pool.arrays, episodes, 0, 1)
+            action = int(kernels.action_of(bodies[leg.destination], targets))
+            if not board.mask[0, action]:
+                break
+            seen, left = board.choices, plan.objective - float(episodes.collected[0])
+            found.append(TaughtState(seen.moves[0].copy(), seen.mission[0].copy(), action, left))
+            kernels.act(pool.arrays, episodes, 0, 1, np.array([action]), rewards)
+        gone += [bodies[leg.destination] for leg in plan.legs if bodies[leg.destination] != HOME]
     return found
 
 
@@ -80,16 +86,24 @@ def imitate(
 ) -> int:
     """Let a model choose as beams do on ``config.imitated`` fields; returns the number of states.
 
-    None are imitated where ``enough`` says so on the way. The model has a :class:`.SetPolicy`.
+    Nothing is imitated if ``enough`` is true on the way. The model has a :class:`.SetPolicy`.
     """
     states = list[TaughtState]()
     for at in range(config.imitated):
         if enough():
             return 0
-        family = FAMILIES[at % len(FAMILIES)]
-        mission = Mission(generate(family, FIRST_SEED + 100_000 * seed + at), threads=1)
-        plan = solve(mission, "beam", width=WIDTH, time_limit=math.inf).plan
-        states += [] if plan is None else states_of(mission, plan)
+        turn, kind = divmod(at, len(config.kinds))
+        name, fields = list(config.kinds.items())[kind]
+        families = FAMILIES.get(name, (fields.family,))
+        field = generate(families[turn % len(families)], FIRST_SEED + 100_000 * seed + at)
+        first: Mission | None = None
+        plans = list[Plan]()
+        for mission in chaser_by_chaser(field, plans):
+            first = first or mission
+            plan = solve(mission, "beam", width=WIDTH, time_limit=math.inf).plan
+            plans += [] if plan is None else [plan]
+        if first is not None and plans:
+            states += states_of(first, *plans)
     if not states:
         return 0
     network, device = model.policy.network, model.device

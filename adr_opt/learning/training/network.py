@@ -44,7 +44,7 @@ from ...kernels.episodes.set_scores import (
 from ..episodes.board import MISSION, MOVES
 
 FAR_AWAY = 1e4
-"""What hides those from attention that are not there."""
+"""Subtracted from the attention to tokens that are not there."""
 
 
 class SetNetwork(nn.Module):
@@ -55,7 +55,7 @@ class SetNetwork(nn.Module):
     width : int
         Numbers that describe a token inside the network.
     layers : int
-        Of attention.
+        Number of layers of attention.
     """
 
     def __init__(self, width: int = 48, layers: int = 2) -> None:

@@ -29,16 +29,16 @@ def write_policy(
     path : path
         The file to write, whole or not at all.
     name : str
-        What plans call it.
+        Name of the policy in plans.
     dynamics : {"two-body", "j2"}
-        Of the fields that it was trained on: plans of others say so.
+        Dynamics of the fields that it was trained on; plans of fields with others have a note.
     facts : dict, optional
-        What else its card is to state, as JSON; steps and seed it states anyway.
+        Further entries of its card, as JSON; it always states steps and seed.
 
     Raises
     ------
     InputError
-        The model has another network, sees something else, or the file cannot be written.
+        The model has another network or another observation, or the file cannot be written.
     """
     if model.get_vec_normalize_env() is not None:
         raise InputError(

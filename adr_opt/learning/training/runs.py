@@ -148,6 +148,7 @@ class TrainingRun:
         return {
             "name": self.facts["config"]["name"],
             "dynamics": "two-body",
+            "kinds": list(self.facts["config"]["kinds"]),
             "steps": steps,
             **{name: self.facts[name] for name in ("seed", "commit", "versions", "began")},
             "curve": [list(row.values()) for row in rows],

@@ -188,16 +188,16 @@ def train(  # noqa: PLR0913
     seed, jobs : int
         ``jobs``: threads.
     device : str
-        Of PyTorch: "auto" for a GPU where there is one, "cpu", "cuda".
+        Device of PyTorch: "cpu", "cuda", or "auto" for a GPU where there is one.
     evaluate_every : int
         Steps between evaluations on held fields.
     checkpoint_s : float
         Time between checkpoints [s].
     enough : callable
-        Asked after every step; True ends the training with a checkpoint.
+        Asked after every step; if it returns True, the training ends with a checkpoint.
     report : callable
     held : HeldFields, optional
-        By which the training is watched; those of the block ``val`` if None.
+        Fields of the evaluations on the way; those of the block ``val`` if None.
 
     Raises
     ------
@@ -218,7 +218,7 @@ def train(  # noqa: PLR0913
             return
         env = MissionVecEnv(
             config.missions,
-            config.fields,
+            tuple(config.kinds.values()),
             observation=config.observation,
             slots=config.slots,
             refresh_every=config.refresh_every,

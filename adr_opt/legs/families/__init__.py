@@ -1,11 +1,9 @@
-"""Families of legs, a module for each, and their registry."""
+"""Families of legs, and their registry."""
 
 from . import registry
-from .drift import DriftLegs
-from .given import GivenLegs
-from .launch import Launches
+from .impulsive import DriftLegs, ShortLegs
 from .low_thrust import LowThrustLegs
-from .short import ShortLegs
+from .unflown import GivenLegs, Launches
 
 # In the order of their numbers, which is that in which they find connections.
 registry.bring_along(ShortLegs(), DriftLegs(), Launches(), GivenLegs(), LowThrustLegs())

@@ -21,11 +21,10 @@ from .parameters import parse_assignments, run_options
     "Bound; 'methods' lists them and the default.",
     shell_complete=complete.bounds,
 )
-@param.number("--time-limit", "S", "Wall-clock limit, timetable included; default 60 s.")
+@param.time_limit("Wall-clock limit, timetable included; default 60 s.")
 @run_options
 @certificate_option
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     method: str | None,

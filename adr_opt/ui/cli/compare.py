@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 )
 @param.file("--page", "HTML file to write as well.", name="page_path")
 @param.flag("--all", "List equal legs, too.", name="tell_all")
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     plan_paths: tuple[str, ...],

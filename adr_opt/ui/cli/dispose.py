@@ -33,9 +33,8 @@ if TYPE_CHECKING:
     "--kit-isp", "S", "Specific impulse of kits.", "kit_isp_s", default=220.0, show_default=True
 )
 @param.file("--out", "JSON file to write: all figures, with tracks.")
-@param.file("--page", "HTML page to write.", "page_path")
-@param.as_json
-@param.quiet
+@param.page
+@param.spoken
 def command(
     instance_path: str,
     plan_path: str,

@@ -54,8 +54,7 @@ if TYPE_CHECKING:
     "International designator of the object, like 2026-001A; by default UNKNOWN, or for a --body "
     "that in INSTANCE.",
 )
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     plan_path: str,

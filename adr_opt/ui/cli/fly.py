@@ -41,8 +41,7 @@ FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items(
 @unjudged_option
 @force_options
 @error_options
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     plan_path: str,

@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 
 @click.command("generate", short_help="Draw an instance of a family.")
 @click.argument("family", shell_complete=complete.families)
-@click.option(
-    "--seed", type=int, default=0, show_default=True, help="Seed; equal seeds draw equal files."
-)
+@param.seeded("Seed; equal seeds draw equal files.")
 @param.count("--targets", "N", "Number of targets; by default the family's.")
 @param.count("--zones", "N", "Number of keep-out zones.", default=0)
 @param.count("--chasers", "N", "Number of chasers; by default the family's.")
@@ -30,8 +28,7 @@ if TYPE_CHECKING:
 @param.approach
 @param.keep_out
 @param.file("--out", "Instance file to write; by default it is printed.")
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     family: str,
     seed: int,

@@ -10,7 +10,7 @@ import click
 from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, param
+from . import param
 from .output import emit_json, say, say_doubts
 from .param import fitting_options
 from .parameters import check_out
@@ -86,7 +86,7 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 
 
 @click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
+@param.files
 @param.file("--out", "Instance file to write.", required=True)
 @param.word("--epoch", "TIME", "Epoch (ISO, UTC); by default the latest of the elements.")
 @param.word("--altitude", "LO:HI", "Mean altitudes to keep [km].")
@@ -99,16 +99,14 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
     "ORBIT|OBJECT",
     "ALTITUDE_KM,INCLINATION,RAAN[,U], or an object; by default the densest plane.",
 )
-@click.option(
-    "--duration-days", type=float, default=7.0, show_default=True, help="Mission duration."
-)
+@param.number("--duration-days", "D", "Mission duration.", default=7.0, show_default=True)
 @crew_options
-@click.option(
+@param.choice(
     "--dynamics",
-    type=click.Choice(["j2", "two-body"]),
+    ("j2", "two-body"),
+    "Motion of planes; with j2 they drift.",
     default="j2",
     show_default=True,
-    help="Motion of planes; with j2 they drift.",
 )
 @param.flag("--no-refuelling", "No station; the chaser starts where it would be.")
 @param.number(
@@ -134,8 +132,7 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
     name="messages",
 )
 @param.flag("--skip-bad", "Skip bad rows and objects, and list them.")
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     files: tuple[str, ...],
     out: str,

@@ -47,8 +47,7 @@ MOST_BYTES = 2**34
     "Every departure, without ready times: .parquet, .lp, .mps.",
     required=True,
 )
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     every_s: float | None,

@@ -64,6 +64,9 @@ def taken(kind: type[Record], given: dict[str, Any]) -> Record:
     return kind(**{name: given.pop(name) for name in signature(kind).parameters})
 
 
+files = click.argument(
+    "files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files
+)
 instance = click.argument("instance_path", metavar="INSTANCE", shell_complete=complete.files)
 plan = click.argument("plan_path", metavar="PLAN", shell_complete=complete.files)
 as_json = flag("--json", "Print one JSON object and nothing else.", name="as_json")
@@ -71,6 +74,8 @@ cluster = word(
     "--cluster", "dask://HOST:PORT", "Use the workers of a Dask scheduler instead of --jobs."
 )
 quiet = flag("--quiet", "No messages and no progress.")
+spoken = together(as_json, quiet)
+"""How a verb speaks."""
 method = word(
     "--method",
     "NAME",
@@ -88,13 +93,24 @@ activity = choice(
     default="mean",
     show_default=True,
 )
+page = file("--page", "HTML file to write.", "page_path")
+uncertainty = partial(file, "--uncertainty", "Uncertainty file.", "uncertainty_path")
+errors = file("--errors", "CSV file of covariances and radii, for probabilities.", "errors_path")
+time_limit = partial(number, "--time-limit", "S")
+cores = partial(count, "--jobs", "N", "Number of cores; 0 for all.")
+processes = count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
 exclude = many(
     "--exclude", "PATTERN", "Names to leave out, such as manoeuvring satellites; repeatable."
 )
 skip_bad = flag("--skip-bad", "Skip bad rows, and count them.")
-seed = click.option(
-    "--seed", type=int, default=0, show_default=True, help="Seed; equal seeds, equal results."
-)
+
+
+def seeded(text: str) -> Callable[[Function], Function]:
+    """The seed of what a verb draws."""
+    return click.option("--seed", type=int, default=0, show_default=True, help=text)
+
+
+seed = seeded("Seed; equal seeds, equal results.")
 
 
 approach = choice(

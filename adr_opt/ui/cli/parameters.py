@@ -24,7 +24,7 @@ run_options = param.together(
     param.number(
         "--margin", "SHARE", "Share of each tank to hold in reserve, such as 0.1.", default=0.0
     ),
-    param.count("--jobs", "N", "Number of cores; 0 for all."),
+    param.cores(),
     param.word("--start", "PLAN", "Plan to start from.", name="start_path"),
     param.many(
         "--option",

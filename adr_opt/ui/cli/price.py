@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 @click.argument("names", nargs=-1, metavar="NAME...")
 @param.file("--file", "File with the order, one name per line.", name="file_path")
 @param.word("--out", "PLAN", "Plan file to write if the order can be flown.")
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     names: tuple[str, ...],

@@ -51,10 +51,9 @@ ephemerides_option = param.flag(
 @gravity_option
 @freedom_option
 @ephemerides_option
-@param.count("--jobs", "N", "Number of cores; 0 for all.")
+@param.cores()
 @param.cluster
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     plan_path: str,
@@ -252,7 +251,7 @@ refine_options = param.together(
     ),
     param.number("--avoid", "M", "Avoid approaches within this; default 1000.", "avoid_m"),
     param.number("--avoid-probability", "P", "Avoid approaches at or above this probability."),
-    param.file("--errors", "CSV file of covariances and radii, for probabilities.", "errors_path"),
+    param.errors,
 )
 """The options of refining, for ``solve``."""
 

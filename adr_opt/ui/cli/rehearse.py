@@ -32,7 +32,7 @@ NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
 @click.command("rehearse", short_help="Fly a mission many times under uncertainty.")
 @param.instance
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
-@param.file("--uncertainty", "Uncertainty file.", name="uncertainty_path", required=True)
+@param.uncertainty(required=True)
 @param.word(
     "--policy",
     "NAME",
@@ -41,7 +41,7 @@ NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
     show_default=True,
 )
 @param.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the first world.")
+@param.seeded("Seed of the first world.")
 @param.count("--bounds", "N", "Number of worlds with a bound on every policy; 0.", default=0)
 @param.word(
     "--bound-method",
@@ -57,14 +57,13 @@ NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
     "Price of the time of services in penalties, in prize per day; 0.",
     default=0.0,
 )
-@param.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
+@param.processes
 @param.cluster
 @param.file("--resume", "File of rehearsals to write, or to resume from.", name="resume_path")
 @param.count("--replay", "SEED", "Write the rehearsal of one world, and no others.")
 @param.file("--out", "HTML file to write; with --replay a plan file.")
 @param.file("--out-instance", "With --replay: instance file of the world to write.")
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     plan_path: str | None,

@@ -55,12 +55,11 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
     "Planner of the rest; by default a beam, for several chasers auto.",
     shell_complete=complete.planners,
 )
-@param.number("--time-limit", "S", "Wall time of a run; 2 s.")
+@param.time_limit("Wall time of a run; 2 s.")
 @param.seed
 @param.file("--out", "Plan file of the rest to write.")
 @param.file("--out-instance", "Instance file of the rest to write.")
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     plan_path: str,

@@ -33,8 +33,7 @@ if TYPE_CHECKING:
     "Fly PLAN, and its refined version, as 'fly' does, and show the miss of each leg ([astro]).",
     name="wants_flight",
 )
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     plan_path: str,

@@ -10,7 +10,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, param
+from . import param
 from .output import emit_json, emit_rich, say, say_written
 from .parameters import check_outs
 
@@ -24,7 +24,7 @@ ROWS = 11
 
 
 @click.command("scenario", short_help="Decades of campaigns, with removals and without.")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
+@param.files
 @param.file("--campaign", "Instance of a campaign, repeated on objects in orbit.", "campaign_path")
 @click.option("--years", type=int, default=30, show_default=True, help="Years, at most 200.")
 @param.count(
@@ -48,9 +48,7 @@ ROWS = 11
 @param.activity
 @param.exclude
 @param.method
-@param.number(
-    "--time-limit", "S", "Wall-clock limit of each planning.", default=5.0, show_default=True
-)
+@param.time_limit("Wall-clock limit of each planning.", default=5.0, show_default=True)
 @param.word(
     "--shells", "LO:HI:N", "Altitude shells [km].", default="200:2000:36", show_default=True
 )
@@ -58,11 +56,10 @@ ROWS = 11
 @param.word("--folder", "DIR", "Folder for a file of all years, to resume from.")
 @param.file("--out", "CSV file of objects by year, case, species and shell.")
 @param.file("--removals", "CSV file of removals by year, species and shell.", "removals_path")
-@param.file("--page", "HTML file to write.", name="page_path")
+@param.page
 @param.count("--jobs", "N", "Number of processes, a seed in each; 0 for all cores.", default=1)
 @param.skip_bad
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     files: tuple[str, ...],
     campaign_path: str | None,

@@ -23,7 +23,7 @@ SHOWN = 20
 @click.command("screen", short_help="Approaches of catalogued objects to a refined plan.")
 @param.instance
 @click.argument("refined_path", metavar="REFINED", shell_complete=complete.files)
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
+@param.files
 @param.number(
     "--distance",
     "M",
@@ -32,7 +32,7 @@ SHOWN = 20
     default=5000.0,
     show_default=True,
 )
-@param.file("--errors", "CSV file of covariances and radii, for probabilities.", "errors_path")
+@param.errors
 @param.file("--out", "CSV file of approaches to write.")
 @param.word(
     "--messages",
@@ -40,10 +40,9 @@ SHOWN = 20
     "New folder, or .zip file, for a conjunction data message (CCSDS) of each approach that is not "
     "a visit.",
 )
-@param.file("--page", "HTML page to write.", "page_path")
+@param.page
 @param.skip_bad
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     refined_path: str,

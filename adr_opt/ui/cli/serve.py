@@ -35,8 +35,7 @@ PROJECT = "adr-opt-project"
     f"Project folder; INSTANCE-served, or without INSTANCE {PROJECT}, beside this call.",
 )
 @param.flag("--no-open", "Do not open a browser.")
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str | None,
     plan_path: str | None,

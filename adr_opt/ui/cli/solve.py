@@ -84,7 +84,7 @@ uncertain_options = param.together(
     param.flag(
         "--expected", "Maximise the mean prize when the plan is followed; with --uncertainty."
     ),
-    param.file("--uncertainty", "Uncertainty file.", name="uncertainty_path"),
+    param.uncertainty(),
 )
 """The options of plans of uncertain missions."""
 
@@ -127,7 +127,7 @@ def run_uncertain(
 @click.command("solve")
 @param.instance
 @param.method
-@param.number("--time-limit", "S", "Wall-clock limit, timetable included; default 10 s.")
+@param.time_limit("Wall-clock limit, timetable included; default 10 s.")
 @run_options
 @param.number(
     "--memory",
@@ -150,8 +150,7 @@ def run_uncertain(
 @refine_options
 @uncertain_options
 @no_fly_option
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     method: str | None,

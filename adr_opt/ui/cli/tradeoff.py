@@ -48,20 +48,19 @@ if TYPE_CHECKING:
 @param.number("--kit-cost", "EUR", "Of designs: euros for each kit.")
 @param.number("--kg-cost", "EUR", "Of designs: euros for each kilogram at launch.")
 @param.method
-@param.number("--time-limit", "S", "Wall-clock limit of each run; default 10 s.")
+@param.time_limit("Wall-clock limit of each run; default 10 s.")
 @param.seed
-@param.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
+@param.processes
 @param.file(
     "--out",
     "CSV table to write; beside it FILE.jsonl, from which the same call resumes. Any other name: "
     "that file alone.",
 )
-@param.file("--page", "HTML file to write.", name="page_path")
+@param.page
 @param.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
 @param.word("--plans", "FOLDER", "Folder for instances and plans; of designs, reports as well.")
 @param.cluster
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     varied: tuple[str, ...],
@@ -91,7 +90,7 @@ def command(
     from ...analysis.trade import Axis, frontier, parse_axis, tradeoff
     from ...analysis.trade.axes import KINDS
     from ...analysis.trade.frontier import check_frontier, write_frontier
-    from ...analysis.trade.table import write_table
+    from ...analysis.trade.points import write_table
     from ...problem.instance import load
     from ...run import front
     from ..report.plain import check_page, write_page

@@ -28,23 +28,31 @@ PREPARING = "preparing fields"
 @param.choice(
     "--config",
     ("policy", "published"),
-    "The policy of the package, or the network and numbers of the published study.",
+    "Network and settings: those of the package's policy, or those of the published study.",
     default="policy",
     show_default=True,
 )
-@param.count("--batch", "N", "Decisions of one step of the optimiser.")
-@param.number("--rate", "R", "Learning rate at first.")
-@param.count("--rollout", "N", "Steps of each mission between two updates.")
-@param.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
-@param.count("--imitate", "N", "Fields whose plans by beams are imitated first.", name="imitated")
-@param.word("--out", "DIR", "Folder of the run; resumed.", required=True)
-@click.option("--seed", type=int, default=0, show_default=True)
+@param.word(
+    "--kinds",
+    "KIND,…",
+    "Missions to train on, each kind as often as the others: varied (nominal, reduced-time, "
+    "reduced-fuel and others like them), these three alone, campaign, cloud.",
+)
+@param.count("--batch", "N", "Decisions per step of the optimiser.")
+@param.number("--rate", "R", "Initial learning rate.")
+@param.count("--rollout", "N", "Steps of each mission between two updates of the network.")
+@param.count("--steps", "N", "Least number of environment steps; the last rollout is completed.")
+@param.count(
+    "--imitate", "N", "Number of fields whose plans by beams are imitated first.", name="imitated"
+)
+@param.word("--out", "DIR", "Folder of the run; a run in it is resumed.", required=True)
+@param.seeded("Seed of the draws.")
 @click.option("--jobs", type=int, default=1, show_default=True, help="Number of threads.")
 @click.option(
     "--device",
     default="auto",
     show_default=True,
-    help="Of PyTorch: auto for a GPU if there is one.",
+    help="Device of PyTorch; auto takes a GPU if there is one.",
 )
 @param.count(
     "--evaluate-every",
@@ -61,10 +69,10 @@ PREPARING = "preparing fields"
     default=60.0,
     show_default=True,
 )
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     config: str,
+    kinds: str | None,
     batch: int | None,
     rate: float | None,
     rollout: int | None,
@@ -91,7 +99,7 @@ def command(
         raise MissingExtra("train", str(error.name).partition(".")[0], "rl") from None
 
     chosen = config_of(
-        config, steps=steps, batch=batch, rate=rate, rollout=rollout, imitated=imitated
+        config, kinds, steps=steps, batch=batch, rate=rate, rollout=rollout, imitated=imitated
     )
     for name, value, least, most in (
         ("--seed", seed, 0, 2**31 - 1),

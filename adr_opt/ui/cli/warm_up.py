@@ -22,8 +22,7 @@ ENVIRONMENT = "environment"
 @click.command("warm-up", short_help="Compile the kernels of methods once for all runs.")
 @click.argument("methods", nargs=-1, metavar="[METHOD]...", shell_complete=complete.methods)
 @param.count("--jobs", "N", "Number of processes; one for each core.")
-@param.as_json
-@param.quiet
+@param.spoken
 def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bool) -> int:
     """Compile the kernels of METHODs, by default of all planners and bounds.
 

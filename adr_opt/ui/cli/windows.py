@@ -46,8 +46,7 @@ if TYPE_CHECKING:
 @param.flag("--ephemerides", "Use the ephemerides beside INSTANCE.")
 @param.file("--out", "CSV file of windows to write: target,opens_s,closes_s.")
 @param.file("--into", "Instance to write with these windows, beside their file --out.")
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     instance_path: str,
     light: bool,

@@ -9,7 +9,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, param
+from . import param
 from .output import emit_json, emit_rich, say, say_written
 from .parameters import check_outs
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @click.command("worth", short_help="Worth of removing each object, as prizes for 'import'.")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
+@param.files
 @param.file("--out", "CSV file of prizes to write: object,prize,mass.", required=True)
 @param.satcat
 @param.measures
@@ -34,12 +34,11 @@ if TYPE_CHECKING:
 @param.number("--unit", "U", "Unit of prizes [fragment-years]; by default a power of ten.")
 @param.file("--details", "CSV file to write with all data on the candidates.", "details")
 @param.file("--pairs", "JSON file of worths alone and of pairs, for 'tradeoff --worth'.", "pairs")
-@param.file("--page", "HTML file to write.", name="page_path")
+@param.page
 @param.exclude
-@param.count("--jobs", "N", "Number of cores; 0 for all.", default=0)
+@param.cores(default=0)
 @param.skip_bad
-@param.as_json
-@param.quiet
+@param.spoken
 def command(
     files: tuple[str, ...],
     out: str,

@@ -65,6 +65,7 @@ def add(ax: Any, one: Series, said: str | None) -> None:
     about: dict[str, Any] = {"color": one.colour, "label": said}
     if isinstance(one, Line):
         about["linewidth"] = POINT_PX * one.width
+        about["linestyle"] = "--" if one.dashed else "-"
         about["drawstyle"] = "steps-post" if one.step else "default"
         if one.dots:
             about |= {"marker": "o", "markersize": 4}
@@ -145,8 +146,9 @@ class Line(Series):
     ----------
     width : float
         [px]; 0 for a band alone.
-    step, dots : bool
-        Whether it keeps its value until the next point, and whether points are marked.
+    step, dots, dashed : bool
+        Whether it keeps its value until the next point, whether points are marked, and whether it
+        is told from others by dashes.
     below : sequence of float
         Where given, the band between the line and this is filled.
     """
@@ -154,6 +156,7 @@ class Line(Series):
     width: float = 1.8
     step: bool = False
     dots: bool = False
+    dashed: bool = False
     below: Sequence[float] = ()
 
 

@@ -9,7 +9,7 @@ from itertools import pairwise
 from ..plot.chart import Chart, Line, Link, Marks, Series
 from .text import escape, number
 
-WIDTH, HEIGHT = 720, 300
+WIDE = 720, 300
 LEFT, RIGHT, TOP, BOTTOM = 56, 14, 12, 42
 TICKS = 6
 
@@ -17,15 +17,22 @@ _Place = Callable[[float, float], tuple[float, float]]
 """Position of a point in the picture."""
 
 
-def drawn(chart: Chart, caption: str) -> str:
-    """A figure with the lines of a chart, axes from zero and a legend.
+def drawn(
+    chart: Chart, caption: str, size: tuple[int, int] = WIDE, *, from_zero: bool = True
+) -> str:
+    """A figure with the lines of a chart, axes and a legend.
 
     Parameters
     ----------
     chart : Chart
     caption : str
         Alternative text of the chart.
+    size : (int, int)
+        Width and height [px].
+    from_zero : bool
+        Whether the vertical axis begins at 0; else it begins below the least value.
     """
+    width, height = size
     lines = [line for line in chart.series if isinstance(line, (Line, Marks))]
     xs = [x for line in lines for x in line.x] or [0.0, 1.0]
     below = [y for line in lines if isinstance(line, Line) for y in line.below]
@@ -33,28 +40,42 @@ def drawn(chart: Chart, caption: str) -> str:
     x_low, x_high = min(xs), max(xs)
     if x_low == x_high:
         x_low, x_high = x_low - 1.0, x_high + 1.0
-    y_ticks = ticks(0.0, max(*ys, 1e-9))
-    y_high = y_ticks[-1]
+    low = 0.0 if from_zero else min(ys)
+    y_ticks = ticks(low, max(*ys, low + 1e-9))
+    y_low, y_high = y_ticks[0], y_ticks[-1]
 
     def place(x: float, y: float) -> tuple[float, float]:
-        across = LEFT + (x - x_low) / (x_high - x_low) * (WIDTH - LEFT - RIGHT)
-        return across, HEIGHT - BOTTOM - y / y_high * (HEIGHT - TOP - BOTTOM)
+        across = LEFT + (x - x_low) / (x_high - x_low) * (width - LEFT - RIGHT)
+        up = (y - y_low) / (y_high - y_low) * (height - TOP - BOTTOM)
+        return across, height - BOTTOM - up
 
-    parts = [_axes(place, ticks(x_low, x_high), y_ticks, (x_low, x_high), chart)]
+    parts = [_axes(place, ticks(x_low, x_high), y_ticks, (x_low, x_high), chart, size)]
     for line in lines:
         parts.append(_drawn(line, place) if isinstance(line, Line) else _dots(line, place))
-    legend = "".join(
-        f'<span><i class="dot" style="background:{line.colour}"></i>{escape(line.name)}</span> '
-        for line in lines
-    )
+    legend = "".join(f"<span>{_key(line)}{escape(line.name)}</span> " for line in lines)
     # A picture holds nothing that a reader could follow, such as a link.
     links = any(isinstance(one, Link) for line in lines for one in line.of)
     role = "group" if links else "img"
     return (
-        f'<figure class="drawn"><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="{role}" '
+        f'<figure class="drawn"><svg viewBox="0 0 {width} {height}" role="{role}" '
         f'aria-label="{escape(caption)}">{"".join(parts)}</svg>'
         f"<figcaption>{legend}</figcaption></figure>"
     )
+
+
+def _key(line: Series) -> str:
+    """The mark of a series in the legend; without styles, which the live page does not allow."""
+    if not isinstance(line, Line):
+        shape = f'<circle cx="8" cy="5" r="5" fill="{line.colour}"/>'
+    elif line.width > 0.0:
+        shape = f'<path d="M0 5H16" stroke="{line.colour}" stroke-width="3"{_dashes(line)}/>'
+    else:
+        shape = f'<path d="M0 0H16V10H0Z" fill="{line.colour}" opacity=".3"/>'
+    return f'<svg viewBox="0 0 16 10" aria-hidden="true">{shape}</svg>'
+
+
+def _dashes(line: Line) -> str:
+    return ' stroke-dasharray="6 4"' if line.dashed else ""
 
 
 def _drawn(line: Line, place: _Place) -> str:
@@ -71,7 +92,8 @@ def _drawn(line: Line, place: _Place) -> str:
     if line.width > 0.0:
         path = " ".join(_at(place(x, y)) for x, y in points)
         parts.append(
-            f'<polyline points="{path}" fill="none" stroke="{line.colour}" stroke-width="2"/>'
+            f'<polyline points="{path}" fill="none" stroke="{line.colour}" stroke-width="2"'
+            f"{_dashes(line)}/>"
         )
     return "".join(parts) + (_dots(line, place) if line.dots else "")
 
@@ -101,8 +123,9 @@ def _axes(
     y_ticks: Sequence[float],
     x_range: tuple[float, float],
     chart: Chart,
+    size: tuple[int, int],
 ) -> str:
-    parts = []
+    (width, height), parts = size, []
     for y in y_ticks:
         (left, up), (right, _) = place(x_range[0], y), place(x_range[1], y)
         parts.append(f'<path d="M{left:.1f} {up:.1f}H{right:.1f}" class="grid"/>')
@@ -111,15 +134,15 @@ def _axes(
         )
     for x in x_ticks:
         if x_range[0] <= x <= x_range[1]:
-            across, up = place(x, 0.0)
+            across, up = place(x, y_ticks[0])
             parts.append(
                 f'<text x="{across:.1f}" y="{up + 18:.1f}" text-anchor="middle">'
                 f"{number(x, 3)}</text>"
             )
-    middle = 0.5 * (LEFT + WIDTH - RIGHT)
+    middle = 0.5 * (LEFT + width - RIGHT)
     parts.append(
-        f'<text x="{middle}" y="{HEIGHT - 6}" text-anchor="middle">{escape(chart.x.title)}</text>'
-        f'<text transform="translate(13 {0.5 * (TOP + HEIGHT - BOTTOM)}) rotate(-90)" '
+        f'<text x="{middle}" y="{height - 6}" text-anchor="middle">{escape(chart.x.title)}</text>'
+        f'<text transform="translate(13 {0.5 * (TOP + height - BOTTOM)}) rotate(-90)" '
         f'text-anchor="middle">{escape(chart.y.title)}</text>'
     )
     return "".join(parts)

@@ -19,6 +19,7 @@ from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ...problem.disposal import DisposalCircle
 from ...problem.instance import Instance
 from ..plot.budget import has_burns
+from ..plot.course import RUN, course_chart
 from ..plot.traffic import traffic_chart
 from . import tables
 from .charts import drawn
@@ -361,7 +362,10 @@ def certificate(plan: Plan, found: Facts) -> str:
         )
     elif plan.status == "optimal":
         gap += "<p>Whether another plan that collects as much costs less is unproven.</p>"
-    return f'<p>{said}</p>{gap}<dl class="bars" aria-label="{what}">{bars}</dl>'
+    course = ""
+    if plan.course:
+        course = drawn(course_chart(plan.course, plan.runtime_s), RUN, from_zero=False)
+    return f'<p>{said}</p>{gap}<dl class="bars" aria-label="{what}">{bars}</dl>{course}'
 
 
 def origin(instance: Instance, plan: Plan) -> str:

@@ -63,8 +63,8 @@ def views(instance: Instance) -> str:
     )
 
 
-def timebar() -> str:
-    """The time bar: a slider, a play button, speeds, and the time shown."""
+def timebar(plan: Plan) -> str:
+    """The bar of time and leg: a slider, a play button, speeds, legs, and what is shown."""
     speeds = "".join(f'<option value="{speed}">{said}</option>' for speed, said in SPEEDS.items())
     return (
         '<div class="timebar" role="group" aria-label="Time">'
@@ -72,6 +72,7 @@ def timebar() -> str:
         '<input type="range" id="time" min="0" max="1" step="any" value="0" '
         'aria-label="time since the epoch" aria-keyshortcuts="Space + -">'
         f'<select id="speed" aria-label="how fast time is played, a second">{speeds}</select>'
+        f'<select id="leg" aria-label="leg shown">{leg_options(plan)}</select>'
         # An output speaks whenever it changes, which it does many times a second.
         '<output for="time" aria-live="off"><b id="now"></b> <span id="then"></span> '
         '<span id="doing"></span></output><p class="unseen" id="spoken" role="status"></p></div>'

@@ -32,6 +32,7 @@ from ..report.assets import asset
 from .backend import Backend, choices
 from .drafts import read_edit
 from .forms.fields import form_fields
+from .forms.refusals import in_labels
 from .guard import UPLOAD, Guard, cookie_name
 from .planning import PlanningOrder
 from .requests import (
@@ -301,7 +302,7 @@ def _action(backend: Backend, path: str, act: Callable[[str], Any]) -> Route:
         except UnicodeDecodeError:
             return JSONResponse({"error": "the request is not text in UTF-8"}, status_code=422)
         except InputError as error:
-            return JSONResponse({"error": str(error)}, status_code=422)
+            return JSONResponse({"error": in_labels(str(error))}, status_code=422)
         except OSError as error:
             return JSONResponse({"error": not_written("that", error)}, status_code=507)
         return Response(told, media_type="application/json")

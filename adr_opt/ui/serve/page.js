@@ -29,7 +29,6 @@ const rooms = [
 for (const room of rooms) room.start();
 views.onView((view) => {
   if (view === "objects") objects.fitPlots();
-  if (view === "mission") planning.redraw();
 });
 follow("state", (state) => {
   document.documentElement.dataset.revision = String(state.revision);

@@ -13,7 +13,12 @@ from ...common.constants import DAY_S
 from ...common.records import Record
 from ...plan.plan import Plan, relative_gap
 from ...problem.instance import Instance
+from ..plot.course import RUN, course_chart
+from ..report.charts import drawn
 from ..report.text import NOTHING, number
+
+IN_DESK = 380, 190
+"""Size of the chart of a run beside the form that starts it [px]."""
 
 Phase = Literal["idle", "waiting", "compiling", "timetable", "planning", "done", "failed"]
 
@@ -89,6 +94,8 @@ class PlanningProgress:
         """The progress as JSON data, with null for numbers that are not finite."""
         known = math.isfinite(self.incumbent) and math.isfinite(self.bound)
         gap = relative_gap(self.incumbent, self.bound) if known else None
+        points = [(round(at, 3), finite(a), finite(b)) for at, a, b in self.points]
+        chart = course_chart(points, self.elapsed_s)
         return {
             "number": self.number,
             "phase": self.phase,
@@ -101,7 +108,8 @@ class PlanningProgress:
             "bound": finite(self.bound),
             "gap": gap,
             "gap_words": in_percent(gap),
-            "points": [[round(at, 3), finite(a), finite(b)] for at, a, b in self.points],
+            "points": points,
+            "chart": drawn(chart, RUN, IN_DESK, from_zero=False) if points else "",
             "said": self.said,
         }
 

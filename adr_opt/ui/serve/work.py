@@ -19,6 +19,7 @@ from ...mission.result import Result
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...run import front
+from ...run.course import Course
 from ...run.method_call import method_of, spec_of
 from ...run.methods import BOUNDS, PLANNERS
 from ...run.reused_timetable import Reused
@@ -114,10 +115,6 @@ def _better(plan: Plan, other: Plan) -> bool:
     return (plan.objective, -plan.cost) > (other.objective, -other.cost)
 
 
-MOST_POINTS = 400
-"""Maximum number of stored changes of incumbent and bound, first and last ones."""
-
-
 def check_order(order: PlanningOrder) -> None:
     """Refuse invalid parameters before anything starts.
 
@@ -146,7 +143,7 @@ class _Run:
     began: float | None = None
     ended: float | None = None
     built: float = 1.0
-    points: list[tuple[float, float, float]] = field(default_factory=list)
+    course: Course | None = None
     said: str = ""
     watch: IncumbentWatch | None = None
 
@@ -164,20 +161,11 @@ class _Run:
         """Receive an incumbent and a bound."""
         self._begin()
         self.phase, self.built = "planning", 1.0
-        last = self.points[-1] if self.points else (0.0, -math.inf, math.inf)
-        best = max(incumbent, last[1]), min(bound, last[2])
-        if best == last[1:]:
-            return
-        if len(self.points) >= MOST_POINTS:
-            del self.points[MOST_POINTS // 2]
-        self.points.append((self.elapsed_s, *best))
+        self._begin().hear(incumbent, bound)
 
     def settle(self, result: Result) -> None:
         """Adopt the final result, which may be below an earlier incumbent."""
-        self._begin()
-        known, stated = (-math.inf, math.inf), (result.objective, result.upper_bound)
-        if (self.points[-1][1:] if self.points else known) != stated:
-            self.points.append((self.elapsed_s, *stated))
+        self._begin().settle(result.objective, result.upper_bound)
 
     @property
     def elapsed_s(self) -> float:
@@ -188,7 +176,7 @@ class _Run:
 
     def progress(self) -> PlanningProgress:
         """Progress of the run."""
-        points = tuple(self.points)
+        points = () if self.course is None else tuple(self.course.points)
         last = points[-1] if points else (0.0, -math.inf, math.inf)
         return PlanningProgress(
             self.number,
@@ -203,9 +191,10 @@ class _Run:
             self.said,
         )
 
-    def _begin(self) -> None:
-        if self.began is None:
-            self.began = time.monotonic()
+    def _begin(self) -> Course:
+        if self.course is None:
+            self.began, self.course = time.monotonic(), Course()
+        return self.course
 
 
 class Work:

@@ -56,7 +56,7 @@ class MctsOptions(Options, method="mcts"):
     moves: str = option(
         "preset",
         "Branches of the tree. `legal`: all legal moves in random order. `guarded`: the cheapest "
-        "targets that pass the same guard, in order of cost, and the station.",
+        "targets from which the station can still be reached, in order of cost, and the station.",
         choices=("legal", "guarded", "preset"),
     )
     width: int = option(

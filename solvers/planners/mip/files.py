@@ -88,14 +88,13 @@ def _block(mission: Mission, network: SolverNetwork) -> Any:
     import pyomo.environ as pyo
 
     from .constraints import MipConstraints
-    from .objective import MipObjective
-    from .variables import MipVariables
+    from .variables import MipVariables, collect_prizes
 
     rules = mission.rules
     block = pyo.ConcreteModel()
     variables = MipVariables(block, network, rules)
     MipConstraints(block, network, variables, rules)
-    MipObjective(block, network, variables, rules.prize)
+    collect_prizes(block, network, variables, rules.prize)
     return block
 
 

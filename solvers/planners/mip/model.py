@@ -14,8 +14,7 @@ from adr_opt.kernels.rules.rules import Rules
 from ...models.course import Hear, SolverAnswer
 from ...models.solver_network import SolverNetwork
 from .constraints import MipConstraints
-from .objective import MipObjective
-from .variables import MipVariables
+from .variables import MipVariables, collect_prizes
 
 TOLERANCE = 1e-7
 """Tolerance of HiGHS, in units of the objective and shares of the budget."""
@@ -48,7 +47,7 @@ class MipModel:
         self._block = pyo.ConcreteModel()
         self._variables = MipVariables(self._block, network, rules)
         self._constraints = MipConstraints(self._block, network, self._variables, rules)
-        self._objective = MipObjective(self._block, network, self._variables, rules.prize / unit)
+        collect_prizes(self._block, network, self._variables, rules.prize / unit)
         self._variables.begin_from(network, start, rules)
 
     def forbid(self, groups: list[list[int]]) -> None:

@@ -1,4 +1,4 @@
-"""Variables of the mixed-integer program."""
+"""Variables of the mixed-integer program, and its objective."""
 
 from __future__ import annotations
 
@@ -68,6 +68,26 @@ class MipVariables:
             if pair in self.used:
                 self.used[pair].set_value(used / rules.budget, skip_validation=True)
             used = 0.0 if rules.is_station[pair[1]] else used + float(network.delta_v[leg])
+
+
+def collect_prizes(
+    block: pyo.ConcreteModel, network: SolverNetwork, variables: MipVariables, prize: np.ndarray
+) -> None:
+    """Give the model its objective: the sum of the prizes of the bodies entered, in units.
+
+    Parameters
+    ----------
+    block : pyomo.environ.ConcreteModel
+    network : SolverNetwork
+    variables : MipVariables
+    prize : (bodies,) float64
+        In units; non-zero for targets only.
+    """
+    worth = prize[network.destination].tolist()
+    block.prizes = pyo.Objective(
+        expr=sum(prize * variables.move[leg] for leg, prize in enumerate(worth) if prize),
+        sense=pyo.maximize,
+    )
 
 
 def _by_pair(origins: np.ndarray, destinations: np.ndarray) -> dict[tuple[int, int], np.ndarray]:

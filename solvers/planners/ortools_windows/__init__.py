@@ -129,7 +129,7 @@ class OrtoolsOptions(Options, method="ortools"):
     time_value_m_s_per_h: float = option(
         USUAL,
         "Value of time: windows choose from the connections of least ΔV + value · arrival; plans "
-        "are timed over all. Below 0: as for `beam`.",
+        "are timed over all. Below 0: 110, and less where planes drift.",
         unit="m/s per h",
     )
 

@@ -47,6 +47,10 @@ function layout(name) {
     }
     made.uirevision = `leg ${chosen}`;
   }
+  if (name === "lanes") { // the days stand below the next chart
+    made.xaxis.title = {};
+    made.height -= 24;
+  }
   if (name === "gantt" && narrow.matches) made.yaxis.tickfont = { size: 10 };
   return made;
 }

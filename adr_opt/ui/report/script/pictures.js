@@ -23,6 +23,7 @@ async function picture(name) {
   const taken = {
     ...shown, paper_bgcolor: colour("card"), width: undefined, height: undefined,
     margin: shown.scene ? shown.margin : MARGIN,
+    xaxis: { ...shown.xaxis, title: { ...shown.xaxis.title, text: figures[name].layout.xaxis.title?.text } },
     showlegend: shown.showlegend || traced.some(({ legendgroup }) => legendgroup),
   };
   const height = name === "ground" ? SLIDE.width / 2 : Math.max(HEIGHT, shown.height ?? 0);

@@ -34,6 +34,7 @@ UNITS = (
 
 WORDS = {
     "name": FieldWords("Name"),
+    "prize": FieldWords("Prize"),
     "start": FieldWords("Start", "at a station, in an orbit of its own, or launched"),
     "end": FieldWords("End", "anywhere, or at a station"),
     "station": FieldWords("Station", "its name"),

@@ -79,37 +79,31 @@ class JobOption:
             return None
         if self.kind == "flag":
             if value is not True:
-                raise InputError(f"option {self.name}: must be true or false")
+                raise InputError(f"“{self.label}” must be true or false")
             return self.sign or None
         if self.kind == "number":
             word = f"{self.sign}={self._number(value)}{self.suffix}"
             return word if self.sign else None
         if not isinstance(value, str) or len(value) > self.longest:
-            raise InputError(
-                f"option {self.name}: must be a text of at most {self.longest} characters"
-            )
+            raise InputError(f"“{self.label}” must be a text of at most {self.longest} characters")
         known = self.choices() if self.choices is not None and self.kind == "choice" else None
         if known is not None and value not in known:
-            raise InputError(
-                f"option {self.name} = {value[:40]!r}: must be one of {', '.join(known)}"
-            )
+            raise InputError(f"“{self.label}” = {value[:40]!r}: must be one of {', '.join(known)}")
         if re.fullmatch(self.pattern, value) is None:
-            raise InputError(f"option {self.name} = {value[:40]!r}: {self.help or 'not a value'}")
+            raise InputError(f"“{self.label}” = {value[:40]!r}: {self.help or 'not a value'}")
         return f"{self.sign}={value}"
 
     def _number(self, value: Value) -> str:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InputError(f"option {self.name}: must be a number")
+            raise InputError(f"“{self.label}” must be a number")
         if isinstance(value, int) and abs(value) > GREATEST:
-            raise InputError(f"option {self.name}: must be a number of at most 18 digits")
+            raise InputError(f"“{self.label}” must be a number of at most 18 digits")
         if not (math.isfinite(value) and self.least <= value <= self.most):
-            raise InputError(
-                f"option {self.name} = {value:g}: must be {self.least:g} to {self.most:g}"
-            )
+            raise InputError(f"“{self.label}” = {value:g}: must be {self.least:g} to {self.most:g}")
         if not self.whole:
             return repr(float(value))
         if value != int(value):
-            raise InputError(f"option {self.name} = {value:g}: must be a whole number")
+            raise InputError(f"“{self.label}” = {value:g}: must be a whole number")
         return str(int(value))
 
     def to_dict(self) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from ....common.errors import InputError
 from ....common.files import write_bytes
 from ....common.json_text import loaded
 from ....common.wording import counted
+from ..forms.refusals import in_labels
 from ..objects.dropped import DroppedObjects
 from ..project.plan_files import INSTANCE, PLAN, load_kept, of_plan
 from ..project.record import ResultRecord
@@ -212,7 +213,8 @@ class JobQueue:
                 if job.stopping:
                     job.settle("stopped")
                 else:
-                    job.settle("failed", said or f"it ended with status {status}")
+                    refused = in_labels(said, VERBS[job.verb].options)
+                    job.settle("failed", refused or f"it ended with status {status}")
                 return
             write_bytes(place / ANSWER, printed)
             page = VERBS[job.verb].page

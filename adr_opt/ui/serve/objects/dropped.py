@@ -16,11 +16,12 @@ from ....plan.plan import Plan
 from ....problem.instance import Instance
 from ....sources.catalogue import Catalogue
 from ....sources.catalogue.reading import load_bytes, read_bytes
+from ..forms.refusals import in_labels
 from ..project.private import passing, private_folder, refuse_link
 from ..project.record import Content, DroppedFile
 from ..session import EditingSession
 from .catalogue_view import CatalogueView, MissionMade, mission_of
-from .import_options import in_labels, wanted_of
+from .import_options import NAMED, wanted_of
 from .recognise import Recognised, recognised
 
 ALONE: tuple[Content, ...] = ("errors", "ground stations", "prizes", "satcat", "uncertainty")
@@ -229,7 +230,7 @@ class DroppedObjects:
                 lambda: private_folder(passing(self._session.folder.path)),
             )
         except InputError as error:
-            raise InputError(in_labels(str(error))) from None
+            raise InputError(in_labels(str(error), NAMED)) from None
 
     def _prizes(self) -> Path | None:
         """The table of prizes: computed, or dropped."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any, NamedTuple
 
 from ....common.errors import InputError
@@ -101,7 +100,8 @@ OPTIONS: tuple[JobOption, ...] = (
 )
 """All options except files; dropped files are used."""
 
-LABELS = {option.sign: option.label for option in OPTIONS} | {"--prizes": "Prizes", "--oem": "OEM"}
+NAMED = (*OPTIONS, text("prizes", "Prizes"), text("oem", "OEM"))
+"""What sentences on an import may name."""
 
 
 def wanted_of(given: dict[str, Any], *, messages: bool = False) -> ImportWanted:
@@ -187,9 +187,3 @@ def _checked(given: dict[str, Any]) -> dict[str, Any]:
             value = option.default
         found[option.name] = int(value) if option.whole and value is not None else value
     return found
-
-
-def in_labels(sentence: str) -> str:
-    """A sentence with the labels of fields in place of options of the command line."""
-    signed = re.sub(r"^option ([a-z_]+)", lambda found: sign_of(found[1]), sentence)
-    return re.sub(r"--[a-z][a-z-]*", lambda sign: LABELS.get(sign[0], sign[0]), signed)

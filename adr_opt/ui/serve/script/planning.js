@@ -1,5 +1,4 @@
 // Planning: its orders, its progress, and the figures and notes of the plan that is shown.
-import { drawChart } from "./chart.js";
 import { box, made, NOTHING, put, text } from "./dom.js";
 import { follow, told } from "./store.js";
 import { send } from "./talk.js";
@@ -56,7 +55,11 @@ function show() {
   box("plan").textContent = runs ? "Plan anew" : "Plan";
   box("stop").disabled = !runs || stopping;
   document.documentElement.dataset.phase = phase;
-  drawChart(phase === "idle" ? null : work);
+  const chart = phase === "idle" ? "" : work.chart;
+  if (box("chart").dataset.drawn !== chart) {
+    box("chart").dataset.drawn = chart;
+    box("chart").innerHTML = chart;
+  }
 }
 
 // Why the last run has no plan, or failed after its best one so far; empty if it did not.
@@ -84,8 +87,6 @@ function sentence(note) {
   return /[.!?]$/.test(begun) ? begun : `${begun}.`;
 }
 
-export const redraw = show;
-
 export function start() {
   follow("choices", (offered) => {
     box("method").replaceChildren(...offered.methods.map((each) => new Option(each, each)));
@@ -100,5 +101,4 @@ export function start() {
   for (const name of ["stop", "undo", "redo"]) {
     box(name).addEventListener("click", () => send(`/${name}`));
   }
-  addEventListener("resize", redraw);
 }
