@@ -99,8 +99,13 @@ def test_the_chart_says_how_the_gap_fell() -> None:
     assert gap.name == "gap: 50 % → 0 %"
     assert list(zip(best.x, best.y, strict=True)) == [(2, 4), (3, 4), (3, 5), (4, 5)]
     assert list(zip(bound.x, bound.y, strict=True)) == [
-        (1, 8), (2, 8), (2, 8), (3, 8), (3, 5), (4, 5)
-    ]  # fmt: skip
+        (1, 8),
+        (2, 8),
+        (2, 8),
+        (3, 8),
+        (3, 5),
+        (4, 5),
+    ]
     picture = drawn(chart, "run", from_zero=False)
     assert picture.count("<polyline") == 2
     assert picture.count("<polygon") == 1
