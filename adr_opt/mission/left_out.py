@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial, reduce
 
 from ..common.errors import InputError
+from ..kernels.rules.loads import most_kits
 from ..plan.plan import Reason, Unvisited
 from .mission import Mission
-from .orders import FULL, KITS, why_broken
+from .orders import FULL, NOTHING, counts_after, why_full
 from .relaxed import LARGEST, LONGEST, Relaxed, with_tank
 
 _WITHOUT: dict[Reason, dict[str, bool]] = {
@@ -60,15 +62,19 @@ class _Limits:
         self._mission, self._moves = mission, moves
         self._schedules = mission.schedules.by_class.unpriced
         self._known: dict[tuple[bool, bool], Relaxed | None] = {}
+        counts_next = partial(counts_after, mission.rules)
+        self._why_full = why_full(mission.rules, reduce(counts_next, moves, NOTHING))
 
     def possible(self, j: int) -> tuple[Reason, ...]:
         """Reasons why a target may not be the next move; the last one always holds."""
         mission, more = self._mission, (*self._moves, j)
         if not mission.timetable.holds((mission.rules.start, *more)[-2], j):
             return ("not-considered",)
-        why = why_broken(mission.rules, more, mission.schedules.kits_for)
-        if why:
-            return "kits" if self._lacks_kit(why) else "capacity", "several", "no-transfer"
+        loads = mission.rules.loads
+        lacks_kit = loads is not None and mission.schedules.kits_for(more) > most_kits(loads)
+        if self._why_full or lacks_kit:
+            by_kits = self._is_full_by_kits if self._why_full else lacks_kit
+            return "kits" if by_kits else "capacity", "several", "no-transfer"
         return "not-worth-it", "delta-v", "duration", "several", "no-transfer"
 
     def are_all(self, reason: Reason, j: int) -> bool:
@@ -78,11 +84,12 @@ class _Limits:
             return len(self._schedules.fronts(more)) > len(more)
         return not without or self._flies(more, **without)
 
-    def _lacks_kit(self, why: str) -> bool:
-        """Whether an order has too few kits, rather than too many targets."""
+    @property
+    def _is_full_by_kits(self) -> bool:
+        """Whether what allows no further target is too few kits, rather than a limit of targets."""
         kits, most = self._mission.chaser.kits, self._mission.chaser.max_targets
-        by_kits = why == FULL["targets"] and kits == self._mission.rules.limits.targets != most
-        return why == KITS or by_kits
+        limit = self._mission.rules.limits.targets
+        return self._why_full == FULL["targets"] and kits == limit != most
 
     def _flies(
         self, more: tuple[int, ...], *, tank: bool = False, time: bool = False, counts: bool = True

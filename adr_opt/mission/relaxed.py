@@ -75,8 +75,10 @@ class Relaxed:
             instance = instance.without_closings()
         chasers = (*instance.chasers[:number], chaser, *instance.chasers[number + 1 :])
         self._instance: Instance = instance.replace(chasers=chasers)
-        limits = limits_of(self._instance, number)
-        self._rules = mission.rules._replace(windows=limits.windows, duration=limits.duration)
+        self._rules = mission.rules
+        if duration_s is not None or not windows:
+            limits = limits_of(self._instance, number)
+            self._rules = self._rules._replace(windows=limits.windows, duration=limits.duration)
         made = mission.over_all
         if duration_s is not None or mission.connecting.depends_on_tank:
             connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
