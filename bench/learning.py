@@ -176,11 +176,14 @@ def evaluated(
     fields: int | None = None,
     beams: tuple[int, ...] = (),
     kinds: tuple[str, ...] = KINDS,
+    after: int = 0,
 ) -> None:
     """What a policy collects on a block of fields, beside what is proven of them, and beams."""
     leads = [f"lead over beam {width}, paired" for width in beams]
     head("family", "fields", "visits", "gap", "share optimal", *leads, "ms a field")
-    found = evaluate(file, split=split, budget=budget, fields=fields, beams=beams, kinds=kinds)
+    found = evaluate(
+        file, split=split, budget=budget, fields=fields, beams=beams, kinds=kinds, after=after
+    )
     for family, of in found.items():
         known = int((~np.isnan(of.optima)).sum())
         row(
@@ -462,11 +465,13 @@ def ablation(steps: int = 131_072, seeds: int = 1, fields: int = 50) -> None:
         row(sharing, seen.strip(), f"{config.rate:g}", steps, ", ".join(visits))
 
 
-def bounds(*families: str, block: str = "test", fields: int = 12, limit: float = 60.0) -> None:
-    """Write digests of a block, and bounds of the exact method for its first fields, to the splits.
+def bounds(
+    *families: str, block: str = "test", fields: int = 12, after: int = 0, limit: float = 60.0
+) -> None:
+    """Write digests of a block, and bounds of the exact method for some fields, to the splits.
 
-    Families; without any digests alone. What is known is kept, so that a call goes on where the one
-    before ended.
+    Families; without any digests alone. Fields begin behind the first ``--after``. What is
+    known is kept, so that a call goes on where the one before ended.
     """
     file, blocks = Path(str(files(adr_opt.learning) / "weights" / "splits.json")), splits()
     told = (blocks["blocks"] | blocks["announced"])[block]
@@ -481,7 +486,8 @@ def bounds(*families: str, block: str = "test", fields: int = 12, limit: float =
         keep()
     for family in families:
         known = told["bounds"].setdefault(family, {})
-        for number in range(told["first"], told["first"] + fields):
+        first = told["first"] + after
+        for number in range(first, first + fields):
             if str(number) not in known:
                 found = adr_opt.solve(adr_opt.generate(family, number), "exact", time_limit=limit)
                 known[str(number)] = [found.objective, found.upper_bound]

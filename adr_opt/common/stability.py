@@ -16,7 +16,7 @@ STABLE = _names("""
     Result Timetable Verdict Violation __version__ bound check generate load load_certificate
     load_plan load_refined plan_of refine solve solve_refined verify
 """)
-"""Names of ``adr_opt`` that keep their arguments and their meaning within 1.x."""
+"""Names of ``adr_opt`` that keep their arguments and their meaning within 2.x."""
 
 PROVISIONAL = _names("""
     adr_opt.analysis adr_opt.analysis.disposal adr_opt.analysis.scenario adr_opt.analysis.screening
@@ -40,7 +40,7 @@ STABLE_FORMATS = _names("""
     adr-opt-uncertainty/1 adr-opt-target-errors/1 adr-opt-functions/1 adr-opt-elements/1
     adr-opt-worth/1 adr-opt-library/1
 """)
-"""File formats that are read, with the same meaning, by every version 1.x."""
+"""File formats that are read, with the same meaning, by every version 2.x."""
 
 PROVISIONAL_FORMATS = _names("""
     adr-opt-project/1 adr-opt-result/1 adr-opt-study/1 adr-opt-policy/2

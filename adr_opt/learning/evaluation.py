@@ -132,6 +132,7 @@ def evaluate(
     seed: int = 0,
     beams: Sequence[int] = (),
     kinds: Sequence[str] = KINDS,
+    after: int = 0,
 ) -> Evaluation:
     """Evaluate a policy on a block of fields.
 
@@ -145,13 +146,15 @@ def evaluate(
         Plans made for each field, of which the best counts: the greedy one, and others drawn from
         the policy. In uncertain worlds only the greedy one.
     fields : int, optional
-        How many fields of the block, from the first one on; all if None.
+        How many fields of the block; all that there are if None.
     seed : int
         Seed of the draws.
     beams : sequence of int
         Widths of beams to compare with, in known worlds.
     kinds : sequence of str
         Which missions: the three benchmark families, "uncertain", "campaign" and "cloud".
+    after : int
+        How many fields of the block to pass over, such as those that others have looked at.
 
     Raises
     ------
@@ -163,10 +166,14 @@ def evaluate(
     if split not in blocks:
         raise InputError(f"split {split!r} is unknown; use one of: {', '.join(blocks)}")
     block = blocks[split]
-    count = block["fields"] if fields is None else fields
-    for name, value, most in (("budget", budget, 10**6), ("fields", count, block["fields"])):
-        if not 1 <= value <= most:
-            raise InputError(f"{name} = {value}: must be between 1 and {most}")
+    count = block["fields"] - after if fields is None else fields
+    for name, value, least, most in (
+        ("budget", budget, 1, 10**6),
+        ("after", after, 0, block["fields"] - 1),
+        ("fields", count, 1, block["fields"] - after),
+    ):
+        if not least <= value <= most:
+            raise InputError(f"{name} = {value}: must be between {least} and {most}")
     known = {"nominal": (*FAMILIES, UNCERTAIN)} | {kind: (kind,) for kind in APART}
     for kind in kinds:
         if kind not in KINDS:
@@ -174,7 +181,7 @@ def evaluate(
     found: dict[str, Measured] = {}
     for family, group in known.items():
         if wanted := [kind for kind in group if kind in kinds]:
-            first = block["apart" if family in APART else "first"]
+            first = block["apart" if family in APART else "first"] + after
             began = time.process_time()
             held = HeldFields(first, count, family)
             table_s = (time.process_time() - began) / count

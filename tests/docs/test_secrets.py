@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -90,11 +91,13 @@ EPHEMERIS = ROOT / "adr_opt/kernels/orbits"
 ELEMENTS = {name for name in vars(columns) if name.isupper()} - {"ORBIT_COLUMNS"}
 """The names of the columns."""
 
+NAMED = re.compile(rf"\b(?:{'|'.join(ELEMENTS)})\b|orbits\(|orbits\b.*\bcolumns\b", re.DOTALL)
+
 
 def columns_named(source: str, package: str) -> Iterator[str]:
     """Every use of a column of a body by its name, or by its number in the rows of an instance."""
     rooms = {"ephemeris", "columns"}
-    if not any(name in source for name in ("orbits", *rooms)):
+    if not NAMED.search(source):
         return  # without parsing
     tree = ast.parse(source)
     for node in ast.walk(tree):

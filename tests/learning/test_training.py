@@ -387,7 +387,12 @@ def test_evaluations_say_what_a_policy_collects() -> None:
         for seed, visits, bound in zip(row.seeds, row.visits, row.optima, strict=True):
             if str(seed) in known:
                 assert visits <= bound == known[str(seed)][1]
-    for wrong in ({"split": "2.1"}, {"budget": 0}, {"fields": 10**6}, {"kinds": ["other"]}):
+    second = evaluate(fields=1, after=1, kinds=FAMILIES)
+    assert all(row.visits.tolist() == [greedy[of].visits[1]] for of, row in second.items())
+    for wrong in (
+        *({"split": "2.1"}, {"budget": 0}, {"fields": 10**6}, {"kinds": ["other"]}),
+        *({"after": -1}, {"after": 10_000}),
+    ):
         with pytest.raises(InputError):
             evaluate(**wrong)  # type: ignore[arg-type]
 

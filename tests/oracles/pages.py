@@ -69,6 +69,8 @@ def in_a_small_world(line: str) -> list[str]:
         words += ["--max-targets", "6", "--quiet"]
     if "--time-limit" in words:
         words[words.index("--time-limit") + 1] = "1"
+    if "--samples" in words:
+        words[words.index("--samples") + 1] = "20"
     if words == ["warm-up"]:
         words.append("greedy")
     return words

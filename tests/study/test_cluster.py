@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +21,14 @@ from adr_opt.common.stop import MaxIterations
 from adr_opt.fly.refine import refine
 from adr_opt.study import Run, cluster, run
 
-distributed = pytest.importorskip("distributed")
+pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="needs distributed")
 
 
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
     """A scheduler on this machine, with two workers of one thread each."""
+    import distributed  # two seconds that other processes of the tests are spared
+
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
     ) as workers:

@@ -51,9 +51,32 @@ def test_the_story_is_on_the_first_screen(tmp_path: Path, kind: str, size: tuple
         assert tab.evaluate("document.documentElement.scrollWidth") == width
 
 
+BESIDE_THE_EDITOR = ((940, 832), (390, 792))
+"""Of the report on the live page: beside its editor on a laptop, below its tabs on a phone [px]."""
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.parametrize("size", BESIDE_THE_EDITOR)
+def test_the_story_is_on_the_first_screen_of_the_live_page(
+    tmp_path: Path, size: tuple[int, int]
+) -> None:
+    """Beside the editor, too, with the ΔV left, and with leg and time in one bar."""
+    width, height = size
+    write_report(*flown("nominal"), tmp_path / "mission.html")
+    with browser.Browser(tmp_path / "profile", width=width, height=height) as tab:
+        tab.open(tmp_path / "mission.html")
+        tab.wait_for("document.documentElement?.dataset.complete")
+        ends = tab.evaluate(
+            "['.story', '.timebar #leg', '#orbits', '#lanes', '#budget'].map((part) =>"
+            " document.querySelector(part).getBoundingClientRect().bottom)"
+        )
+        assert max(ends) <= height, ends
+        assert tab.evaluate("document.documentElement.scrollWidth") == width
+
+
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
 def test_charts_fit_on_paper(tmp_path: Path) -> None:
-    """When the page is printed no chart is wider than a sheet, and all days stay in view."""
+    """Printed, no chart is wider than a sheet, and all days and all legs stay in view."""
     widths = (
         "[...document.querySelectorAll('.chart .main-svg')]"
         ".map((drawing) => drawing.getBoundingClientRect().width)"
@@ -67,6 +90,15 @@ def test_charts_fit_on_paper(tmp_path: Path) -> None:
         tab.evaluate("window.dispatchEvent(new Event('beforeprint'))")
         tab.wait_for(f"Math.max(...{widths}) < 700")
         assert tab.evaluate("document.getElementById('budget').layout.xaxis.range") == days
+        tab.call("Emulation.setEmulatedMedia", media="print")
+        cut = "[...document.querySelectorAll('.scroll')].filter((one) =>"
+        assert tab.evaluate(f"{cut} one.scrollHeight > one.clientHeight + 1).length") == 0
+        legs = tab.evaluate(
+            "[...document.querySelectorAll('.legs tr[data-leg]')].filter((row) =>"
+            " row.getBoundingClientRect().height > 5).length"
+        )
+        assert legs == tab.evaluate("document.getElementById('leg').options.length") - 1 > 1
+        tab.call("Emulation.setEmulatedMedia", media="")
         tab.evaluate("window.dispatchEvent(new Event('afterprint'))")
         tab.wait_for(f"Math.max(...{widths}) === {wide}")
 
@@ -105,3 +137,32 @@ def test_the_sentence_says_what_the_plan_says() -> None:
     )
     refined = adr_opt.refine(instance, plan, freedom="planned")
     assert "refined" in story(plan, found, refined)
+
+
+MOST_MS = 16.0
+"""Of the main thread for a frame, at sixty frames a second [ms]."""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+def test_time_is_played_smoothly(tmp_path: Path) -> None:
+    """While time is played the main thread has processor time to spare in each frame."""
+    write_report(*flown("nominal"), tmp_path / "mission.html")
+    with browser.Browser(tmp_path / "profile", width=1400, height=900) as tab:
+        tab.open(tmp_path / "mission.html")
+        tab.wait_for("document.documentElement?.dataset.complete")
+        tab.call("Performance.enable", timeDomain="threadTicks")
+
+        def spent() -> float:
+            metrics = tab.call("Performance.getMetrics")["metrics"]
+            return next(each["value"] for each in metrics if each["name"] == "TaskDuration")
+
+        before = spent()
+        frames = tab.evaluate(
+            "new Promise((done) => { const began = performance.now(); let frames = 0;"
+            " const count = (now) => { frames += 1; if (now - began < 3000)"
+            " requestAnimationFrame(count); else done(frames); };"
+            " document.getElementById('play').click(); requestAnimationFrame(count); })"
+        )
+        assert frames > 10
+        assert 1e3 * (spent() - before) / frames < MOST_MS

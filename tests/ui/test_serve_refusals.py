@@ -88,3 +88,13 @@ def test_options_have_their_labels() -> None:
     )
     options = VERBS["windows"].options
     assert in_labels("--mask = 100: must be below 90", options).startswith("“Least elevation”")
+
+
+def test_empty_fields_say_what_they_mean() -> None:
+    """A short meaning stands in the field itself, a long one beside it as well."""
+    forms = {form["path"]: form for form in form_fields()}
+    assert forms["max_targets"]["absent"] == "no limit"
+    assert forms["kits"]["help"] == "the most"
+    options = {option.name: option.to_dict() for option in NAMED}
+    assert (options["delta_v"]["absent"], options["delta_v"]["help"]) == ("3000", "")
+    assert options["station"]["help"].endswith("empty for the densest plane")

@@ -175,6 +175,7 @@ def test_a_newcomer_finds_the_way(tmp_path: Path) -> None:
             assert f"without {visited[0]}" in text(tab, "results")
             assert f"loses {visited[0]}" in text(tab, "overlay")
             assert "ΔV" in text(tab, "overlay")
+            assert "different missions" in text(tab, "compare-why")
         with somebody.task("refine, and see the saving"):
             somebody.click('[data-id="1"] input')
             assert somebody.verb("refine").endswith(f"without {visited[0]} (2)")

@@ -264,7 +264,7 @@ class Alone:
     @property
     def drifts(self) -> bool:
         """Whether planes drift."""
-        return planes_drift(self.instance.oblateness_m2)
+        return bool(planes_drift(self.instance.oblateness_m2))
 
     @property
     def limits(self) -> tuple[float, float]:

@@ -119,10 +119,11 @@ class MissionVecEnv(VecEnv):
                 raise InputError(f"{name} = {value!r}: must be a whole number from {least} on")
         if not math.isfinite(reward_scale):
             raise InputError(f"reward_scale = {reward_scale!r}: must be a finite number")
-        several = isinstance(fields, Sequence) and not isinstance(fields, str)
-        self.kinds: tuple[Fields | Alone, ...] = tuple(
-            fields_of(each) for each in (fields if several else [fields])
-        )
+        self.kinds: tuple[Fields | Alone, ...]
+        if isinstance(fields, str) or not isinstance(fields, Sequence):
+            self.kinds = (fields_of(fields),)
+        else:
+            self.kinds = tuple(map(fields_of, fields))
         if instance is not None:
             self.kinds, slots, refresh_every = (Alone(instance_of(instance)),), 1, 0
         if not 1 <= len(self.kinds) <= slots:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, get_args
 from ....common.constants import DAY_S
 from ....problem.instance import Instance
 from ..drafts import Part
+from .options import meaning_of_empty
 
 
 class FieldWords(NamedTuple):
@@ -65,22 +66,26 @@ WORDS = {
     "per_kg": FieldWords("Expense per kilogram", "needs a tank by mass"),
     "per_kg_squared": FieldWords("Expense per kilogram squared", "needs a tank by mass"),
     "thrust_n": FieldWords("Low thrust", "in place of impulses; needs a tank by mass"),
-    "duty_cycle": FieldWords("Duty cycle", "share of the time in which the thrust is on"),
+    "duty_cycle": FieldWords("Duty cycle", "share of the time with thrust; empty for always"),
     "max_refuellings": FieldWords("Most refuellings", "of all chasers; empty for no limit"),
     "max_propellant_kg": FieldWords("Propellant in stock", "empty for no limit"),
     "object_id": FieldWords("Designator", "international, such as 1997-051C"),
     "start_s": FieldWords("Closed from"),
     "end_s": FieldWords("Closed until"),
     "duration_s": FieldWords("Duration", "latest end of all services"),
-    "service_revolutions": FieldWords("Time at a target", "in its periods; or in minutes below"),
-    "service_s": FieldWords("Time at a target", "in place of revolutions"),
+    "service_revolutions": FieldWords("Time at a target", "in its periods; empty for minutes"),
+    "service_s": FieldWords("Time at a target", "empty for revolutions"),
     "refuel_revolutions": FieldWords("Time to refuel", "in periods of the station"),
     "disposal": FieldWords("Disposal orbit", "to which objects are towed"),
     "circle_m": FieldWords("Altitude of the circle"),
     "perigee_m": FieldWords("Altitude of the perigee", "the apogee stays"),
-    "max_lifetime_years": FieldWords("Longest lifetime", "of released objects, in orbit"),
-    "max_uncontrolled_kg": FieldWords("Controlled re-entry above", "kg of a released object"),
-    "end_of_life_m_s": FieldWords("Kept for its disposal", "m/s, never burnt on the mission"),
+    "max_lifetime_years": FieldWords("Longest lifetime", "of released objects; empty for no limit"),
+    "max_uncontrolled_kg": FieldWords(
+        "Controlled re-entry above", "mass of a released object; empty for no limit"
+    ),
+    "end_of_life_m_s": FieldWords(
+        "Kept for its disposal", "never burnt on the mission; empty for nothing"
+    ),
     "area_to_mass_m2_kg": FieldWords("Area over mass", "m²/kg, for the lifetime once released"),
     "launch_separation_s": FieldWords("Time between launches", "the least, in their order"),
     "mission_separation_s": FieldWords(
@@ -186,7 +191,8 @@ def form_fields() -> list[dict[str, Any]]:
     parts), ``label``, ``unit``, ``by`` (what one of the unit is in that of the file), ``seldom``
     (whether it stands under *More*), ``kind``, ``least``, ``most``, ``default``, ``help``,
     ``optional`` (whether null is allowed), ``whole`` (of a number), ``choices`` (of a choice), and
-    ``of``, the choice to which a field belongs: ``[PATH, VALUE]``, or null.
+    ``of``, the choice to which a field belongs: ``[PATH, VALUE]``, or null. ``absent`` is what an
+    empty field means, where it is not nothing.
     """
     schema = Instance.model_json_schema()
     found: list[dict[str, Any]] = []
@@ -265,6 +271,7 @@ def _told(path: str, kind: str, of: list[str] | None, **more: Any) -> dict[str, 
     name = path.rpartition(".")[2]
     words = WORDS[name]
     unit, by = SHOWN.get(name, (unit_of(name), 1.0))
+    help, absent = meaning_of_empty(words.help)
     return {
         "path": path,
         "label": words.label,
@@ -274,8 +281,9 @@ def _told(path: str, kind: str, of: list[str] | None, **more: Any) -> dict[str, 
         "kind": kind,
         "least": None,
         "most": None,
-        "help": words.help,
+        "help": help,
         "of": of,
+        **absent,
         **more,
     }
 

@@ -20,6 +20,22 @@ GREATEST = 10**18
 
 Value = bool | int | float | str | None
 
+EMPTY = re.compile(r"(?:empty for |empty: |by default )(?P<after>.+)|(?P<before>.+) by default")
+ROOM = 16
+"""Longest meaning of an empty field that it shows itself [characters]."""
+
+
+def meaning_of_empty(help: str) -> tuple[str, dict[str, str]]:
+    """A description, and what an empty field means, which short words in the field say instead."""
+    kept, said = [], {}
+    for part in help.split("; "):
+        found = EMPTY.fullmatch(part)
+        if found:
+            said["absent"] = found["after"] or found["before"]
+        if not found or len(said["absent"]) > ROOM:
+            kept.append(part)
+    return "; ".join(kept), said
+
 
 @dataclass(frozen=True)
 class JobOption:
@@ -108,13 +124,15 @@ class JobOption:
 
     def to_dict(self) -> dict[str, Any]:
         """The option as JSON data, for a field of a form."""
+        help, absent = meaning_of_empty(self.help)
         return {
             "name": self.name,
             "label": self.label,
             "unit": self.unit,
             "kind": self.kind,
             "default": self.default,
-            "help": self.help,
+            "help": help,
+            **absent,
             "words": dict(self.words),
             **({} if self.choices is None else {"choices": list(self.choices())}),
             **({} if math.isinf(self.least) else {"least": self.least}),

@@ -18,7 +18,8 @@ ELEMENTS = {
 """Elements of lists of an instance, in words."""
 
 PLACE = re.compile(
-    r"^(?:the file|field ([a-z_]+)(?:\[(\d+)\])?[a-z_.]*:) (?=[a-z]+_[a-z_]+ = |must give )"
+    r"^(?:the file|field ([a-z_]+)(?:\[(\d+)\])?[a-z_.]*:) "
+    r"(?=(?:field )?[a-z]+[a-z_.]*_[a-z_]+ = |must give )"
 )
 """Beginning of a sentence on a rule between fields, which names them itself."""
 

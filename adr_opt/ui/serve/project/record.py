@@ -200,4 +200,5 @@ class ResultRecord(Record):
             **row,
             "has_page": self.page is not None,
             "has_plan": self.has_plan,
+            "mission": (self.instance_sha256 or "")[:12],
         }

@@ -171,7 +171,7 @@ export function withValue(element, path, value) {
 
 // Fields for the options of a verb, all of which may be left out, and what they say.
 export const optionFields = (verb, options) => options.map((option) => (
-  [option.name, fieldOf({ ...option, optional: option.default === null, absent: "as usual" },
+  [option.name, fieldOf({ absent: "as usual", ...option, optional: option.default === null },
     `${verb}-${option.name}`)]));
 
 export function valuesOf(fields) {

@@ -10,11 +10,13 @@ const verbs = new Map(); // by name: { press, panel, run, why, fields }
 // Why a verb cannot begin yet; empty if it can.
 function missing(needs) {
   const chosen = selection();
-  const plans = chosen.filter((result) => result.has_plan).length;
+  const plans = chosen.filter((result) => result.has_plan);
   const dropped = (what) => told.state?.files?.some((file) => file.what.includes(what));
   const absent = {
     plan: !told.state?.plan && !chosen.length && "Needs a plan: press Plan in the mission view.",
-    plans: plans < 2 && "Select two plans or more in the list of results.",
+    plans: plans.length < 2 ? "Select two plans or more in the list of results."
+      : new Set(plans.map(({ mission }) => mission)).size > 1
+        && "These plans are of different missions: above the list stands what one gains and loses, by name.",
     certificate: !told.results.some(({ files }) => files.some((name) => name.startsWith("certificate")))
       && "Needs a certificate: prove a bound with one first.",
   };
