@@ -13,14 +13,14 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from statistics import fmean, median
+from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 import torch
-from learning import FRESH_SEED, interval
+from learning import FRESH_SEED
 from tables import experiment, head, row
 from torch.distributions import Categorical
 
@@ -190,16 +190,18 @@ def multipliers(*what: str, fields: int = 8, limit: float = 60.0, width: int = 1
 
     Families; nominal without any. Bounds are ``lagrangian`` from the plan of a beam on one core.
     The first proof of a field begins as usual, others with its last multipliers, and go on to
-    better ones or not. Ratios are of processor time without the timetable.
+    better ones or not. Times are of the processor, without the timetable.
     """
-    head("family", "proofs", "proven", "bound", "evaluations", "s, median", "times as fast, median")
     arms = {"as usual": True, "perfect at first": True, "perfect, no others": False}
+    names = [f"{name}: bound, evaluations, s" for name in arms]
+    head("family", "field", *names, *(f"{name}: times as fast" for name in list(arms)[1:]))
     for family in what or ("nominal",):
-        told = {name: list[tuple[float, float, float, float]]() for name in arms}
+        ratios = {name: list[float]() for name in list(arms)[1:]}
         for number in range(-1, fields):  # the first one loads kernels
             mission = Mission(adr_opt.generate(family, MULTIPLIER_SEED + number), threads=1)
             plan = adr_opt.solve(mission, "beam", width=width, time_limit=600.0).plan
             perfect: np.ndarray | None = None
+            told, usual_s = list[str](), 0.0
             for name, goes_on in arms.items():
                 with _descents(perfect, goes_on=goes_on) as made:
                     began = time.process_time()
@@ -207,25 +209,18 @@ def multipliers(*what: str, fields: int = 8, limit: float = 60.0, width: int = 1
                         mission, "lagrangian", start=plan, time_limit=limit, jobs=1
                     )
                     spent = time.process_time() - began
-                if name == "as usual" and made:
-                    perfect = made[-1].multipliers
-                proven = float(found.upper_bound == found.objective)
-                if number >= 0:
-                    evaluations = float(found.counters["evaluations"])
-                    told[name].append((proven, found.upper_bound, evaluations, spent))
-        usual = [spent for *_, spent in told["as usual"]]
-        for name, found_by in told.items():
-            proven, bounds, evaluations, spent_s = zip(*found_by, strict=True)
-            faster = median(u / s for u, s in zip(usual, spent_s, strict=True))
-            row(
-                family,
-                name,
-                f"{sum(proven):.0f} of {fields}",
-                interval(list(bounds)),
-                f"{fmean(evaluations):.0f}",
-                f"{median(spent_s):.2f}",
-                f"{faster:.2f}",
-            )
+                if name in ratios:
+                    ratios[name].append(usual_s / spent)
+                else:
+                    perfect, usual_s = made[-1].multipliers if made else None, spent
+                evaluations = found.counters["evaluations"]
+                told.append(f"{found.upper_bound:g}, {evaluations:.0f}, {spent:.2f}")
+            if number < 0:
+                ratios = {name: list[float]() for name in ratios}
+                continue
+            row(family, mission.instance.name, *told, *(f"{of[-1]:.2f}" for of in ratios.values()))
+        medians = (f"{median(of):.2f}" for of in ratios.values())
+        row(family, "median", *("" for _ in arms), *medians)
 
 
 if __name__ == "__main__":

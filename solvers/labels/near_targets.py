@@ -35,8 +35,10 @@ def remember_near(
     row = np.repeat(np.arange(network.departure.size), np.diff(network.first))
     origin = np.repeat(np.arange(bodies), np.diff(network.start))[row]
     taken_s = network.departure[network.landing] - network.departure[row]
+    goes_on = np.isfinite(taken_s)  # after the others nothing leaves any more
+    legs = network.delta_v[goes_on] + m_s_per_s * taken_s[goes_on]
     cost = np.full((bodies, bodies), np.inf)
-    np.minimum.at(cost, (origin, network.destination[row]), network.delta_v + m_s_per_s * taken_s)
+    np.minimum.at(cost, (origin[goes_on], network.destination[row][goes_on]), legs)
     cost = np.minimum(cost, cost.T)[:, first_target:]
     for body in range(bodies):
         near = np.argsort(cost[body], kind="stable")[:REMEMBERED]
