@@ -7,7 +7,7 @@ python bench/rehearsals.py charges --count 5000
 python bench/rehearsals.py campaign CATALOGUE --limit 60 --replanned 20 --worlds 5
 python bench/rehearsals.py replan --seeds 0 1 2 --days 2 3 4
 python bench/rehearsals.py paired --fields 3 --worlds 10
-python bench/rehearsals.py expected --fields 3
+python bench/rehearsals.py expected --fields 1 --targets 12 --limit 3 --worlds 3 --bound-limit 3
 """
 
 from __future__ import annotations
