@@ -372,10 +372,12 @@ def collected(family: str, first: int, fields: int, method: str, **more: Any) ->
     return prizes
 
 
-def levels(*kinds: str, split: str = "test", fields: int = 30, width: int = 30) -> None:
+def levels(
+    *kinds: str, split: str = "test", fields: int = 30, after: int = 0, width: int = 30
+) -> None:
     """Visits of planners and of the policy, all chaser by chaser; campaigns and clouds if none."""
     named = kinds or APART
-    ours = evaluate(split=split, fields=fields, kinds=named)
+    ours = evaluate(split=split, fields=fields, kinds=named, after=after)
     methods: dict[str, dict[str, Any]] = {
         "greedy": {},
         "greedy-guarded": {},

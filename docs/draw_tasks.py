@@ -290,8 +290,7 @@ def policy_curve(files: Path) -> Any:
         ):
             steps = np.maximum(found[:, 0], 1e4)
             ax.plot(steps, found[:, at], color=plot.COLOURS[phase], lw=2.4, label=label)
-        untrained = learned[0, at]
-        levels = {"untrained": untrained} | {
+        levels = {"untrained": card["families"][family]["untrained"]} | {
             row["what"]: float(row["visits"]) for row in rivals if row["family"] == family
         }
         for (name, level), dashes in zip(levels.items(), (":", "-.", "--", "-"), strict=False):

@@ -82,7 +82,15 @@ class TrainingRun:
             description["machine"] = f"{platform.platform()}, {usable_cores()} cores"
             description["began"] = datetime.now(UTC).isoformat(timespec="seconds")
             self.facts = description
-            write_text(path, json.dumps(description, indent=1))
+            self._write()
+
+    def _write(self) -> None:
+        write_text(self.folder / "run.json", json.dumps(self.facts, indent=1))
+
+    def begin_with(self, untrained: Mapping[str, float]) -> None:
+        """Note mean visits from before an imitation, of which the curve knows nothing."""
+        self.facts["untrained"] = dict(untrained)
+        self._write()
 
     def _known(self, path: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
         try:
@@ -142,13 +150,18 @@ class TrainingRun:
     def card(self, steps: int) -> dict[str, Any]:
         """What a policy's file says of how it came about: see :class:`..policy.Policy`."""
         rows = self._curve()
-        first = "imitating" if self.facts["config"].get("imitated") else "untrained"
-        ends = {first: rows[0], "trained": rows[-1]} if rows else {}
+        before, ends = self.facts.get("untrained"), dict[str, Mapping[str, float]]()
+        if rows:
+            begun = (
+                {"untrained": before, "imitating": rows[0]} if before else {"untrained": rows[0]}
+            )
+            ends = {**begun, "trained": rows[-1]}
         families = list(rows[0])[2:] if rows else []
         return {
             "name": self.facts["config"]["name"],
             "dynamics": "two-body",
             "kinds": list(self.facts["config"]["kinds"]),
+            "imitated": self.facts["config"]["imitated"],
             "steps": steps,
             **{name: self.facts[name] for name in ("seed", "commit", "versions", "began")},
             "curve": [list(row.values()) for row in rows],

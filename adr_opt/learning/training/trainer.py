@@ -134,26 +134,26 @@ class Keeper(BaseCallback):
         self._save()
 
     def _evaluate(self) -> None:
-        means = self.held.means(self._choose(), self.config.observation)
+        means = self.measured(self.model)
         self.run.add_to_curve(self.num_timesteps, self.seconds, means)
         if sum(means.values()) > self.best:
             self.best = sum(means.values())
             self._keep("best")
         self.report(self.num_timesteps, means)
 
-    def _choose(self) -> Callable[[Board], npt.NDArray[np.int64]]:
-        """The best moves of the model as it is."""
-        policy: Any = self.model.policy
+    def measured(self, model: Any) -> dict[str, float]:
+        """Mean visits on the held fields, with the best moves of a model as it is."""
 
         def choose(board: Board) -> npt.NDArray[np.int64]:
             with torch.no_grad():
                 # Not ``predict``: it insists on the number of targets of the training.
-                seen = obs_as_tensor(board.arrays, self.model.device)
-                chosen = policy.get_distribution(seen, board.mask).get_actions(deterministic=True)
+                seen = obs_as_tensor(board.arrays, model.device)
+                moves = model.policy.get_distribution(seen, board.mask)
+                chosen = moves.get_actions(deterministic=True)
             found: npt.NDArray[np.int64] = chosen.cpu().numpy()
             return found
 
-        return choose
+        return self.held.means(choose, self.config.observation)
 
     def _keep(self, name: str) -> None:
         if isinstance(self.model.policy, SetPolicy):
@@ -235,9 +235,10 @@ def train(  # noqa: PLR0913
             read_checkpoint(model, run.checkpoint)
             # A new model seeds the environment as at the beginning.
             env.seed((seed + done) % 2**32)
-        elif config.imitated:
-            imitate(model, config, seed, enough)
         keeper = Keeper(
             run, config, evaluate_every, checkpoint_s, enough, report, held or HeldFields()
         )
+        if config.imitated and not done:
+            run.begin_with(keeper.measured(model))
+            imitate(model, config, seed, enough)
         model.learn(config.steps - done, callback=keeper, reset_num_timesteps=done == 0)
