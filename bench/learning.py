@@ -157,13 +157,17 @@ def interval(values: list[float]) -> str:
 
 def curve(file: str = SHIPPED) -> None:
     """The curve of a training, by the card of a policy or the file ``evaluations.csv``."""
+    families: dict[str, dict[str, float]] = {}
     if file.endswith(".csv"):
         with Path(file).open(newline="", encoding="utf-8") as lines:
             names, *found = list(csv.reader(lines))
     else:
         card = load_policy(file).card
-        names, found = ["steps", "seconds", *card["families"]], card["curve"]
+        families = card["families"]
+        names, found = ["steps", "seconds", *families], card["curve"]
     head("steps", "minutes", *names[2:])
+    if before := [of["untrained"] for of in families.values() if "imitating" in of]:
+        row("untrained", "", *(f"{each:.2f}" for each in before))
     for steps, seconds, *visits in found:
         minutes = f"{float(seconds) / 60:.0f}"
         row(f"{float(steps):,.0f}", minutes, *(f"{float(each):.2f}" for each in visits))
