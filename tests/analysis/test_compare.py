@@ -84,7 +84,7 @@ def test_the_verb_tells_and_writes(cli: Cli, plans) -> None:
     HTMLParser().feed(page)
     assert "<script" not in page
     assert "http" not in page.replace("http-equiv", "")
-    assert page.count("<svg") == 2
+    assert page.count('<figure class="drawn">') == 2
     for plan in plans.values():
         assert f"{plan.delta_v_m_s:.1f}" in page
     content = json.loads(cli("compare", "h.json", "best.json", "other.json", "--json").out)

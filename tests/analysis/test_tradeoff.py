@@ -28,7 +28,7 @@ from adr_opt.common.errors import InputError
 from adr_opt.common.stop import MaxIterations
 from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.problem.chasers import TankByMass
-from adr_opt.ui.report.charts import BOTTOM, HEIGHT, TOP
+from adr_opt.ui.report.charts import BOTTOM, TOP, WIDE
 from adr_opt.ui.report.traded import traded_page
 
 IN_DELTA_V = Tanks("delta_v_m_s")
@@ -408,8 +408,8 @@ def test_the_band_of_the_page_reaches_up_to_the_bounds(surface) -> None:
     # The prizes from left to right, and back along the bounds; all of them below the upper edge.
     assert len(heights) == 4
     assert min(heights) >= TOP
-    assert max(heights) <= HEIGHT - BOTTOM
+    assert max(heights) <= WIDE[1] - BOTTOM
     # As high as they are: of 8 prizes where nothing is proven.
-    zero = HEIGHT - BOTTOM
+    zero = WIDE[1] - BOTTOM
     shares = [(zero - height) / (zero - heights[2]) for height in heights]
     assert shares == pytest.approx([3.0 / 8.0, 4.0 / 8.0, 1.0, 7.6 / 8.0], abs=2e-3)

@@ -315,7 +315,7 @@ def test_methods_lists_planners_and_options(cli: Cli) -> None:
         "default": 1.0,
         "unit": "per m/s",
         "allowed": "at least 0 and finite",
-        "meaning": "Weight of ΔV.",
+        "meaning": "Weight of ΔV in the cost of a move.",
     }
     said = cli("methods").out
     assert "greedy-guarded" in said

@@ -81,7 +81,7 @@ def test_table_json_and_page_say_the_same(cli: Cli, files: Path) -> None:
         assert written is not None
         assert [re.sub("<.*?>", "", cell) for cell in written[1].split("</td>")[:-1]] == row
     page = Addresses(text)
-    assert page.tags.count("circle") == 4
+    assert page.tags.count("circle") == 4 + 2  # of the designs and of the legend
     for number in (1, 2):
         assert page.hrefs.count(f"#design-{number}") == 2  # of the dot and of the row
         assert page.ids.count(f"design-{number}") == 1

@@ -102,7 +102,7 @@ def test_from_a_catalogue_to_a_checked_plan_and_back(tmp_path: Path) -> None:
     chasers = state["instance"]["chasers"]
     chasers[0]["tank"] = {"dry_mass_kg": -1.0, "propellant_kg": 900.0, "isp_s": 300.0}
     refused = at.post("/edit", {"part": {"path": "chasers", "value": chasers}}, 422)
-    assert refused["error"].startswith("field chasers[0].tank.dry_mass_kg = -1.0")
+    assert refused["error"].startswith("“Dry mass” of chaser 1 = -1 kg must be")
     chasers[0]["tank"]["dry_mass_kg"] = 500.0
     at.post("/edit", {"part": {"path": "chasers", "value": chasers}})
     assert at.get("/state")["instance"]["chasers"][0]["tank"]["isp_s"] == 300.0
@@ -383,23 +383,26 @@ def test_a_mission_with_ephemerides_leaves_nothing_beside_the_project(at: At) ->
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"duty_cycle": 0.5}, "Duty cycle: there is no thrust; give Low thrust, or leave it out"),
-        ({"thrust": 0.2}, "Low thrust: the tank is given in ΔV"),
-        ({"altitude": "high"}, "Altitudes kept = 'high': give two numbers"),
+        (
+            {"duty_cycle": 0.5},
+            "“Duty cycle”: there is no thrust; give “Low thrust”, or leave it out",
+        ),
+        ({"thrust": 0.2}, "“Low thrust”: the tank is given in ΔV"),
+        ({"altitude": "high"}, "“Altitudes kept” = 'high': give two numbers"),
         ({"altitude": "10:20"}, "no object is left of 60"),
-        ({"epoch": "today"}, "Epoch 'today': give a time"),
-        ({"dynamics": "two-body", "max_drift_days": 3}, "Longest drift = 3: no plane drifts"),
-        ({"dynamics": "three-body"}, "Dynamics = 'three-body': must be one of j2, two-body"),
-        ({"max_targets": 2.5}, "Most targets = 2.5: must be a whole number"),
+        ({"epoch": "today"}, "“Epoch” 'today': give a time"),
+        ({"dynamics": "two-body", "max_drift_days": 3}, "“Longest drift” = 3: no plane drifts"),
+        ({"dynamics": "three-body"}, "“Dynamics” = 'three-body' must be one of j2, two-body"),
+        ({"max_targets": 2.5}, "“Most targets” = 2.5 must be a whole number"),
         ({"station": "nobody"}, "Station"),
-        ({"kit_mass": 5}, "Mass of a kit: there are no kits"),
-        ({"duration_days": -1}, "Mission duration = -1: must be a positive number"),
+        ({"kit_mass": 5}, "“Mass of a kit”: there are no kits"),
+        ({"duration_days": -1}, "“Mission duration” = -1 must be a positive number"),
         ({"require": "nobody"}, "Required objects"),
         ({"prizes": "/etc/passwd"}, "'prizes' is not an option of an import"),
         ({"out": "/tmp/x"}, "'out' is not an option of an import"),
         ({"station": "a\nb"}, "Station"),
         ({"name": " "}, "Names kept"),
-        ({"max_targets": 0}, "Most targets = 0: must be a positive number"),
+        ({"max_targets": 0}, "“Most targets” = 0 must be a positive number"),
         ({"exclude": "x" * 20_001}, "at most 20000 characters"),
         ({"exclude": "nobody," * 100}, "no object"),
     ],

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable
 
+from ....common.json_text import loaded
 from .fields import SHOWN, WORDS, unit_of
 from .options import JobOption
 
@@ -98,7 +98,7 @@ def _whose(part: str, number: str | None) -> str:
 def _shown(written: str, unit: str, by: float) -> str:
     """A value of a file in the unit of its form; what is no number as it is."""
     try:
-        value = json.loads(written)
+        value = loaded(written)
     except ValueError:
         return written
     if value is None:
