@@ -375,7 +375,7 @@ def test_the_verb_writes_what_it_tells(cli: Cli) -> None:
     assert outcome.status == 0, outcome
     assert "4 of 4 points proven" in outcome.out
     page = Path("t.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == 2
+    assert page.count('<figure class="drawn">') == 2
     assert "<script" not in page
     assert "<svg" in Path("t.svg").read_text(encoding="utf-8")
     call = ("tradeoff", "h.json", "--vary", "delta-v=130,300", "--vary", "duration=0.5,0.96")
