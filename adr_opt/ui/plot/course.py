@@ -12,7 +12,7 @@ from .chart import Chart, ChartAxis, Line
 BOUND = CHASERS[0]
 """Colour of bounds, which are dashed, too."""
 
-RUN = "Best plan and bound over the run"
+RUN = "Best plan and bound over the run, as it stated them"
 """Caption of the chart."""
 
 Corners = list[tuple[float, float]]
