@@ -13,9 +13,7 @@ States are ordered by a weighted sum, smaller first:
     time_weight · end − delta_v_weight · ΔV left − prizes collected
 
 or, where latest times are known (:mod:`solvers.walks.completion_times`), by the mean of that and of
-the worth of the time by which they are later than they may be if the goal is to be reached. Where a
-cheaper plan of the same worth is looked for, they are ordered by what it costs at least
-(:mod:`solvers.walks.completion_costs`).
+the worth of the time by which they are later than they may be if the goal is to be reached.
 """
 
 from __future__ import annotations
@@ -33,12 +31,11 @@ from adr_opt.kernels.tables.timetable import asks
 from adr_opt.mission.mission import Mission
 
 from ..progress.halting import halted_by
-from ..walks.completion_costs import CostGuide, no_costs
 from ..walks.completion_times import no_latest
 from ..walks.latest_times import Latest
 from . import levels
 from .exchange_rates import worth_of
-from .levels import BeamContext, Guides, LevelScratch, Weights
+from .levels import BeamContext, LevelScratch, Weights
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -102,7 +99,7 @@ def usual_settings(mission: Mission, width: int) -> BeamSettings:
 
 
 @kernel
-def beam_kernel(rules, done, first, guides, weights, halt):
+def beam_kernel(rules, done, first, guide, guided, weights, halt):
     """Beam search from states at the same body with the same serviced targets.
 
     Parameters
@@ -114,7 +111,9 @@ def beam_kernel(rules, done, first, guides, weights, halt):
         Body, targets since the last refuelling, kits aboard, (states,) int64, and (states,) float64
         each: time ready [s], ΔV left [m/s], ΔV spent [m/s], and what prizes have fallen by. At most
         ``width`` are taken.
-    guides : Guides
+    guide : Latest
+        Not looked at unless ``guided``.
+    guided : bool
     weights : Weights
     halt : (1,) bool
         Once another thread sets it, only the best states of each level are gone on with, so that
@@ -138,7 +137,7 @@ def beam_kernel(rules, done, first, guides, weights, halt):
         keys[j] = levels.key_of(j, weights.seed)
         serviced += done[j]
     remaining = min(bodies - rules.first_target, rules.limits.targets) - serviced
-    search = BeamContext(rules, guides, weights, keys)
+    search = BeamContext(rules, guide, guided, weights, keys)
     size = levels.begin(search, done, first, serviced, level)
 
     parent_of = np.empty((remaining, width), np.int32)
@@ -201,7 +200,6 @@ def beam_search(
     settings: BeamSettings,
     *,
     guide: Latest | None = None,
-    costs: CostGuide | None = None,
     prefix: tuple[int, ...] = (),
     seed: int = 0,
     stop: Stop | None = None,
@@ -227,16 +225,16 @@ def beam_search(
         settings.guarded,
         seed,
     )
-    guides = Guides(
-        no_latest() if guide is None else guide,
-        guide is not None,
-        no_costs() if costs is None else costs,
-        costs is not None,
-    )
     first = _ways_to_fly(mission, prefix)
     with halted_by(stop) as halt:
         found, prize, delta_v, priced = beam_kernel(
-            rules, done, (body, since, *first), guides, weights, halt
+            rules,
+            done,
+            (body, since, *first),
+            no_latest() if guide is None else guide,
+            guide is not None,
+            weights,
+            halt,
         )
     return np.concatenate([np.array(prefix, dtype=np.int64), found]), prize, delta_v, priced
 

@@ -15,7 +15,6 @@ from adr_opt.kernels.rules.resources import Resources
 from adr_opt.kernels.rules.rules import Rules, State
 from adr_opt.kernels.tables.timetable import asks
 
-from ..walks.completion_costs import CostGuide, least_cost
 from ..walks.latest_times import Latest, latest_time
 
 STRAIGHT = -1
@@ -34,40 +33,23 @@ class Weights(NamedTuple):
     seed: int
 
 
-class Guides(NamedTuple):
-    """What a proof tells a search.
-
-    Attributes
-    ----------
-    latest : Latest
-        Not looked at unless ``by_time``.
-    by_time : bool
-    costs : CostGuide
-        Not looked at unless ``by_cost``; then states are ordered by what plans that go on from
-        them cost at least, and left out where none costs less than is asked for.
-    by_cost : bool
-    """
-
-    latest: Latest
-    by_time: bool
-    costs: CostGuide
-    by_cost: bool
-
-
 class BeamContext(NamedTuple):
     """Data that are constant over levels.
 
     Attributes
     ----------
     rules : Rules
-    guides : Guides
+    guide : Latest
+        Not looked at unless ``guided``.
+    guided : bool
     weights : Weights
     keys : (bodies,) uint64
         Random words, for hashes of sets that are sums of words.
     """
 
     rules: Rules
-    guides: Guides
+    guide: Latest
+    guided: bool
     weights: Weights
     keys: np.ndarray
 
@@ -282,9 +264,8 @@ def succeed(search, level, size, wanted, cand):
         Successors looked at.
     """
     rules, level, cand = borrowed(search.rules), borrowed(level), borrowed(cand)
-    keys, guide = borrowed(search.keys), borrowed(search.guides.latest)
-    costs, weights = borrowed(search.guides.costs), search.weights
-    by_time, by_cost = search.guides.by_time, search.guides.by_cost
+    keys, guide = borrowed(search.keys), borrowed(search.guide)
+    guided, weights = search.guided, search.weights
     room = cand.score.size
     ways = np.empty(rules.stations + 1, np.int64)
     back = np.empty(rules.stations + 1)
@@ -331,13 +312,7 @@ def succeed(search, level, size, wanted, cand):
                 collected = level.prize[s] + rule_kernels.worth_at(rules, j, then.time)
                 score = weights.time_weight * then.time - weights.delta_v_weight * then.left
                 score -= collected
-                if by_cost:
-                    score = least_cost(costs, j, then, collected) + level.spent[s]
-                    score += delta_v + back[way]
-                    if score >= costs.most:
-                        continue
-                    score += (costs.price - 1.0) * shade
-                elif by_time:
+                if guided:
                     rest = guide.goal - collected - (level.ahead[s] - guide.multipliers[j])
                     late = then.time - latest_time(guide, j, then.left, rest)
                     score = 0.5 * (score + weights.time_weight * late)
@@ -387,7 +362,7 @@ def keep(search, level, cand, count, room, scratch, after):
     """
     rules, level, cand = borrowed(search.rules), borrowed(level), borrowed(cand)
     after = borrowed(after)
-    keys, guide, weights = search.keys, search.guides.latest, search.weights
+    keys, guide, weights = search.keys, search.guide, search.weights
     head, chain, held, waiting, which = scratch
     order = rising(cand.score, count)
     for bucket in range(head.size):
@@ -428,7 +403,7 @@ def keep(search, level, cand, count, room, scratch, after):
         after.body[size], after.spent[size], after.key[size] = j, cand.spent[c], set_key
         resource_kernels.put(after.resources, size, has)
         after.prize[size] = prize
-        if search.guides.by_time:
+        if search.guided:
             after.ahead[size] = level.ahead[s] - guide.multipliers[j]
         write(after.visited[size], level.visited[s])
         after.visited[size, j >> 6] |= np.uint64(1) << np.uint64(j & 63)
@@ -468,6 +443,6 @@ def begin(search, done, first, serviced, level):
                 level.prize[s] += rules.prize[j]
                 level.visited[s, j >> 6] |= np.uint64(1) << np.uint64(j & 63)
                 level.key[s] += keys[j]
-            elif search.guides.by_time:
-                level.ahead[s] += search.guides.latest.multipliers[j]
+            elif search.guided:
+                level.ahead[s] += search.guide.multipliers[j]
     return size

@@ -11,7 +11,6 @@ from adr_opt.common.clock import now_s
 from adr_opt.common.stop import Stop
 from adr_opt.mission.mission import Mission
 
-from ..walks.completion_costs import CostGuide
 from ..walks.latest_times import Latest
 from .beams import BeamSettings, beam_search
 
@@ -60,7 +59,6 @@ class Beams:
         settings: BeamSettings,
         *,
         guide: Latest | None = None,
-        costs: CostGuide | None = None,
         seed: int = 0,
         mission: Mission | None = None,
     ) -> npt.NDArray[np.int64]:
@@ -75,7 +73,7 @@ class Beams:
             settings = replace(settings, width=max(1, int(affordable / self._pace_s)))
         began = now_s()
         found, _, _, states = beam_search(
-            mission or self._mission, settings, guide=guide, costs=costs, seed=seed, stop=self._stop
+            mission or self._mission, settings, guide=guide, seed=seed, stop=self._stop
         )
         self.states += states
         if settings.width >= self._least:

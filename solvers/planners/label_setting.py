@@ -28,7 +28,6 @@ from ..beams.varied_beams import varied
 from ..progress.gap import GapTracker
 from ..progress.proof_size import proof_notes
 from ..proof.proof import ProofOptions, prove, prove_cost
-from ..walks.completion_costs import CostGuide
 from ..walks.latest_times import Latest
 from .cheapest import cheapest
 from .options import ExactOptions
@@ -38,10 +37,6 @@ WIDTH = 2000
 
 FIRST_BEAMS, MOST_BEAMS = 8, 16
 """Number of beams before the first round, doubled in each further one up to the second number."""
-
-COST_BEAMS = 4
-"""Number of beams for cheaper plans in each round of a cost proof but the first, halved while they
-find none."""
 
 COST_SLOT_M_S = 12.5
 """Slot of ΔV in cost proofs, for walks that do not pay for it [m/s]."""
@@ -144,23 +139,11 @@ def least_cost(
             method, sooner, seed=seed, stop=within, progress=silent, start=None, options=alike
         )
 
-    beams, rng = Beams(mission, Clock(stop)), np.random.default_rng(seed)
-    number = COST_BEAMS
-
-    def search(guide: CostGuide) -> None:
-        nonlocal number
-        before = certificate.cost
-        for _ in range(number):
-            layer, settings, noise = varied(mission, WIDTH, rng)
-            found = beams.search(settings, costs=guide, seed=noise, mission=layer)
-            certificate.offer(found)
-        number = COST_BEAMS if certificate.cost < before else max(1, number // 2)
-
     return cheapest(
         Problem.of(mission),
         certificate,
         stop,
-        lambda over: prove_cost(mission, certificate, stop, over, finer, search=search),
+        lambda over: prove_cost(mission, certificate, stop, over, finer),
         again,
         by_rounds=by_rounds,
     )

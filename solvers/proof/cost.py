@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 
 import numpy as np
@@ -34,11 +35,9 @@ from adr_opt.mission.mission import Mission
 
 from ..labels.extension import CompletionValues
 from ..labels.label_search import LabelSearch
-from ..labels.near_targets import remember_near
 from ..networks.arrays import Network
 from ..networks.evidence import as_bits
 from ..progress.cost_rounds import RELATIVE, CostRounds, is_least, least_worth_of
-from ..walks.completion_costs import CostGuide, swept
 from ..walks.sweeps import NEVER
 from ..walks.tariffs import Tariff
 from ..walks.walks import LARGEST, Paid, WalkBound
@@ -181,16 +180,9 @@ class CostProof(CostRounds):
         Of walks that do not pay.
     most_labels : int
         Most labels of a search.
-    search : callable
-        Looks for a cheaper plan before each round but the first, by what completions cost.
-
-    Attributes
-    ----------
-    guide : CostGuide or None
-        What it is told, without an upper limit; None before the first round.
     """
 
-    def __init__(  # noqa: PLR0913
+    def __init__(
         self,
         mission: Mission,
         least_worth: float,
@@ -201,9 +193,7 @@ class CostProof(CostRounds):
         jobs: int,
         delta_v_slot_m_s: float,
         most_labels: int,
-        search: Callable[[CostGuide], None] = lambda guide: None,
     ) -> None:
-        self._look = search
         self._offer, self._cost, self._over, self._jobs = offer, cost, over, jobs
         self._reach = WalkBound(
             mission,
@@ -219,18 +209,17 @@ class CostProof(CostRounds):
         self._asked_worth, self._worth = least_worth, least_worth_of(mission, least_worth)
         # Walks pay for what the tank lacked before the start, and plans do not.
         self._spent = mission.connecting.spent_m_s(mission.rules.start)
-        self._routes = LabelSearch(self._walks)
-        remember_near(
-            self._routes.neighbourhood,
-            self._walks.network,
-            mission.rules.first_target,
-            cost() / max(mission.rules.duration - mission.rules.ready, 1.0),
-        )
+        self._proving, self._finding = LabelSearch(self._walks), LabelSearch(self._walks)
+        # All that was visited is remembered, so that each walk found is a plan; labels are told
+        # apart by what proofs remember only, so that some are lost, but there are not too many.
+        self._finding.neighbourhood[:] = -1
         self._price = 0.0
-        self.guide: CostGuide | None = None
+        self._pool = ThreadPoolExecutor(1) if jobs > 1 else None
         self._labels, self._most_labels = min(FIRST_LABELS, most_labels), most_labels
-        self._share = 0.25
+        self._share, self._finding_share = 0.25, 1.0
+        self._fruitless = 0  # rounds since one found a cheaper plan
         self._tried = False  # whether the whole gap was ever too much
+        self._ready = False
         self.bound = 0.0
         self.evidence: CostEvidence | None = None
         self.done = self.proven
@@ -253,13 +242,10 @@ class CostProof(CostRounds):
         return is_least(self._cost(), self.bound)
 
     def advance(self) -> None:
-        """One round: a search for a cheaper plan, if it is not the first, and an exact one."""
+        """One round: searches for cheaper plans, one exact and one heuristic."""
         with suppress(TimeIsOver):
-            if self.guide is None:
+            if not self._ready:
                 self._prepare()
-            elif not self._over():
-                # Not before the first, which settles many at once.
-                self._look(self.guide._replace(most=self._below(1.0) + self._spent))
             if not self.proven and not self._over():
                 self._search()
         self.done = self.done or self.proven
@@ -270,7 +256,7 @@ class CostProof(CostRounds):
         reach.evaluate(np.zeros(reach.prize.size), keep=True)
         low, high = 0.0, walks.greatest_price
         price, best = 0.05 * high, 0.0
-        nothing = np.zeros_like(self._routes.neighbourhood)
+        nothing = np.zeros_like(self._proving.neighbourhood)
         for _ in range(EVALUATIONS):
             bound, worth = walks.cost_at(price, self._worth)
             if bound - self._spent > self.bound:
@@ -297,12 +283,10 @@ class CostProof(CostRounds):
             walks.top,
             walks.slot,
         )
-        self._routes.pay(values, prices, reach, self._worth)
+        for routes in (self._proving, self._finding):
+            routes.pay(values, prices, reach, self._worth)
         self._price = float(prices[0])
-        # At a high price of worth, where walks collect as much as they can as cheaply as they can.
-        self.guide = CostGuide(
-            swept(walks, tables[1][0][None]), swept(reach), float(prices[1]), self._worth, math.inf
-        )
+        self._ready = True
 
     def _below(self, share: float) -> float:
         """Goal of a search: at a share of the gap, below the known plan's cost."""
@@ -319,8 +303,23 @@ class CostProof(CostRounds):
         if not self._tried and self._cost() - self.bound <= NEAR * self._cost():
             self._share = 1.0
         known, most = self._free(), self._below(self._share)
-        remembered = self._routes.neighbourhood.copy()
-        finished, value, plan, grown = self._routes.search(known - most, self._labels, self._over)
+        finding: Future[None] | None = None
+        remembered = self._proving.neighbourhood.copy()
+        self._finding.compared = remembered.copy()
+        self._fruitless += 1
+        finds = self._fruitless & (self._fruitless - 1) == 0  # it takes as long as the proof
+        if finds:
+            if self._pool is None:
+                self._find()
+            else:
+                finding = self._pool.submit(self._find)
+        try:
+            finished, value, plan, grown = self._proving.search(
+                known - most, self._labels, self._over
+            )
+        finally:
+            if finding is not None:
+                finding.result()
         if not finished:
             self._tried |= self._share == 1.0
             if self._share > LEAST_SHARE:
@@ -338,14 +337,31 @@ class CostProof(CostRounds):
         if value == -math.inf:
             self._share = min(1.0, 2.0 * self._share)
         elif grown == 0 and self._cost() >= before:
-            self.done = True
+            self.done, self._fruitless = finds, 0
+
+    def _find(self) -> None:
+        """Search heuristically for cheaper plans."""
+        known, most = self._free(), self._below(self._finding_share)
+        finished, _, plan, _ = self._finding.search(known - most, self._labels, self._over)
+        if plan is not None:
+            self._offer(plan)
+            self._fruitless = 0
+        if not finished:
+            self._finding_share = max(0.5 * self._finding_share, LEAST_SHARE)
+        elif plan is None:
+            self._finding_share = min(1.0, 1.5 * self._finding_share)
 
     def close(self) -> None:
         """End the threads."""
         self._walks.close()
         self._reach.close()
+        if self._pool is not None:
+            self._pool.shutdown()
 
     @property
     def counters(self) -> dict[str, float]:
         """Work counters."""
-        return {"cost_searches": self._routes.searches, "cost_labels": self._routes.labels_made}
+        return {
+            "cost_searches": self._proving.searches + self._finding.searches,
+            "cost_labels": self._proving.labels_made + self._finding.labels_made,
+        }

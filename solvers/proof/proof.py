@@ -30,7 +30,6 @@ from ..networks.evidence import evidence_of
 from ..progress.cost_rounds import settled
 from ..progress.gap import GapTracker
 from ..progress.proof_size import fits_memory, proof_notes, set_up_s
-from ..walks.completion_costs import CostGuide
 from ..walks.completion_times import latest_of
 from ..walks.floors import floor_evidence
 from ..walks.latest_times import Latest
@@ -327,8 +326,6 @@ def prove_cost(
     stop: Stop,
     enough: Callable[[], bool],
     options: ProofOptions,
-    *,
-    search: Callable[[CostGuide], None],
 ) -> tuple[float, dict[str, float]]:
     """Prove a lower bound on the ΔV of plans with at least the incumbent's worth.
 
@@ -338,8 +335,6 @@ def prove_cost(
         As :class:`Proof` takes them.
     enough : callable
         Asked once a round.
-    search : callable
-        As :class:`.cost.CostProof` takes it.
 
     Returns
     -------
@@ -363,7 +358,6 @@ def prove_cost(
             jobs=options.cores,
             delta_v_slot_m_s=options.delta_v_slot_m_s,
             most_labels=options.most_labels,
-            search=search,
         )
     except TimeIsOver:
         return 0.0, {}
