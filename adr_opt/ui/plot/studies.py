@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ...analysis.rehearse.rehearsals import Rehearsals
 from ...analysis.screening import CloseApproach
-from ...analysis.trade.axes import KINDS, AxisKind
+from ...analysis.trade.axes import KINDS
 from ...common.constants import DAY_S
 from ...plan.palette import CHASERS
 from ...sources.worth import RemovalWorth
@@ -23,37 +23,59 @@ if TYPE_CHECKING:
     from ...analysis.trade.points import Tradeoff
 
 
+class Spot(NamedTuple):
+    """A point of a study: its place across, what its plan collects, the bound, and a link.
+
+    It collects −inf without a plan.
+    """
+
+    x: float
+    y: float
+    bound: float
+    of: Link | None = None
+
+
 def tradeoff_chart(made: Tradeoff, kind: str) -> Chart:
     """Prizes of the best plans against a limit, with bands up to the bounds or the sum of prizes.
 
     There is a line for each combination of the values of the other axes.
     """
-    along, others = KINDS[kind], [axis.kind for axis in made.axes if axis.kind != kind]
-    rows = made.along(kind)
+    others = [axis.kind for axis in made.axes if axis.kind != kind]
     most = math.fsum(target.greatest_prize for target in made.instance.targets)
+    rows = {
+        named(others, values): [
+            Spot(point.value(kind) / KINDS[kind].scale, point.prize, min(point.upper_bound, most))
+            for point in row
+        ]
+        for values, row in made.along(kind).items()
+    }
+    return bands_chart(rows, KINDS[kind].title)
+
+
+def bands_chart(rows: Mapping[str, Sequence[Spot]], title: str) -> Chart:
+    """Rows of plans with bands up to their bounds, against a limit of some title."""
     lines = []
-    for at, (values, row) in enumerate(rows.items()):
-        pairs = zip(others, values, strict=True)
-        name = ", ".join(named(KINDS[other], value) for other, value in pairs)
-        there = [point for point in row if math.isfinite(point.prize)]
-        bounds = [point.upper_bound for point in there]
+    for at, (name, row) in enumerate(rows.items()):
+        there = [spot for spot in row if math.isfinite(spot.y)]
         lines.append(
             Line(
                 name=name if len(rows) > 1 else "plans, and up to the bound",
                 colour=CHASERS[at % len(CHASERS)],
                 width=2.0,
                 dots=True,
-                x=[point.value(kind) / along.scale for point in there],
-                y=[point.prize for point in there],
-                below=[bound if math.isfinite(bound) else most for bound in bounds],
+                x=[spot.x for spot in there],
+                y=[spot.y for spot in there],
+                below=[spot.bound for spot in there],
+                of=[spot.of for spot in there],
             )
         )
-    return Chart(tuple(lines), ChartAxis(along.title), ChartAxis("prize"))
+    return Chart(tuple(lines), ChartAxis(title), ChartAxis("prize"))
 
 
-def named(kind: AxisKind, value: float) -> str:
-    """A limit and its value."""
-    return f"{kind.name} {value / kind.scale:,g} {kind.unit}"
+def named(kinds: Iterable[str], values: Iterable[float]) -> str:
+    """Limits and their values, in SI units."""
+    pairs = ((KINDS[kind], value) for kind, value in zip(kinds, values, strict=True))
+    return ", ".join(f"{kind.name} {value / kind.scale:,g} {kind.unit}" for kind, value in pairs)
 
 
 def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
@@ -104,35 +126,50 @@ def approaches(ax: Any, found: Sequence[CloseApproach]) -> Any:
 
 def designs_chart(study: DesignStudy) -> Chart:
     """Worth of the chosen sets against euros: a dot for each design, and one for its bound."""
-    points, front = study.points, study.front
-    there = [at for at, point in enumerate(points) if point.plan is not None]
-    euros = [points[at].euros / MILLION for at in there]
-    links = [Link(f"#{anchor(at)}", f"{at + 1}: {points[at].design.title}") for at in there]
+    spots = {
+        at: Spot(
+            point.euros / MILLION,
+            point.worth,
+            point.bound,
+            Link(f"#{anchor(at)}", f"{at + 1}: {point.design.title}"),
+        )
+        for at, point in enumerate(study.points)
+        if point.plan is not None
+    }
+    unit = study.rating.unit
+    title = f"{unit} avoided" if unit else "prize"
+    return front_chart([spots[at] for at in study.front], list(spots.values()), title)
+
+
+def front_chart(front: Sequence[Spot], there: Sequence[Spot], title: str) -> Chart:
+    """Designs with plans against million euros, and the front of the best of them."""
+    x = [spot.x for spot in there]
     series = (
         Line(
             name=FRONT,
             colour=CHASERS[0],
             width=2.0,
             step=True,
-            x=[points[at].euros / MILLION for at in front],
-            y=[points[at].worth for at in front],
+            x=[spot.x for spot in front],
+            y=[spot.y for spot in front],
         ),
         Marks(
-            name=PLANS, colour=CHASERS[0], x=euros, y=[points[at].worth for at in there], of=links
+            name=PLANS,
+            colour=CHASERS[0],
+            x=x,
+            y=[spot.y for spot in there],
+            of=[spot.of for spot in there],
         ),
         Marks(
             name=BOUNDS,
             colour=CHASERS[1],
             symbol="circle-open",
             size=7.0,
-            x=euros,
-            y=[points[at].bound for at in there],
+            x=x,
+            y=[spot.bound for spot in there],
         ),
     )
-    unit = study.rating.unit
-    return Chart(
-        series, ChartAxis("million euros"), ChartAxis(f"{unit} avoided" if unit else "prize")
-    )
+    return Chart(series, ChartAxis("million euros"), ChartAxis(title))
 
 
 STEP_KM, HIGHEST_KM = 50.0, 2000.0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from ...analysis.trade.axes import KINDS
 from ...analysis.trade.frontier import Ending
 from ...analysis.trade.points import Point, Tradeoff
 from ...common.constants import DAY_S
@@ -121,7 +120,7 @@ def _frontier_chart(endings: Sequence[Ending]) -> str:
     lines = []
     for at, tank_m_s in enumerate(tanks):
         own = [ending for ending in endings if ending.tank_m_s == tank_m_s]
-        name = "plans" if len(tanks) == 1 else named(KINDS["delta-v"], tank_m_s)
+        name = "plans" if len(tanks) == 1 else named(["delta-v"], [tank_m_s])
         lines.append(
             Line(
                 name=name,
