@@ -14,8 +14,10 @@ import numpy as np
 import page_access
 import pytest
 from report_data import body_at
+from six_kinds import SEED
 from two_chasers import campaign, planned
 
+import adr_opt
 from adr_opt.kernels.orbits.sunlight import shadow
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.frame import Frame
@@ -24,7 +26,7 @@ from adr_opt.problem.sun import J2000, Sun, sun
 
 pytest.importorskip("plotly.graph_objects")
 
-from adr_opt.ui.report import page
+from adr_opt.ui.report import page, write_report
 
 DAY_S = 86400.0
 
@@ -230,3 +232,24 @@ def test_the_globe_without_a_mouse(tmp_path: Path) -> None:
         assert page_access.faults(tab, widths=(page_access.PHONE,), schemes=("dark",)) == []
         assert [said for level, said in tab.complaints if level == "error"] == []
         assert all(url.startswith(("file:", "data:", "blob:")) for url in tab.requests)
+
+
+@with_browser
+def test_a_tour_is_shown_alone(tmp_path: Path) -> None:
+    """Globe and slider have the legs between two stays at a station, and then all legs again."""
+    instance = adr_opt.generate("nominal", SEED)
+    plan = adr_opt.solve(instance, "greedy-guarded").plan
+    assert plan is not None
+    stays = [at for at, leg in enumerate(plan.legs, 1) if leg.destination in instance.station_names]
+    first, last = stays[0] + 1, stays[1]
+    write_report(instance, plan, tmp_path / "mission.html")
+    with browser.Browser(tmp_path / "profile") as tab:
+        tab.open_report(tmp_path / "mission.html")
+        for tour, legs in (("tour 0 1", (first, last)), ("", (1, len(plan.legs)))):
+            chosen(tab, "view", tour)
+            tab.wait_for(f"{GLOBE}.legs.length === {legs[1] - legs[0] + 1}")
+            assert tab.evaluate(f"{GLOBE}.legs") == list(range(legs[0], legs[1] + 1))
+            begin = plan.legs[first - 1].ready_s if tour else 0.0
+            assert tab.evaluate("Number(document.getElementById('time').min)") == pytest.approx(
+                begin, abs=0.1
+            )

@@ -41,6 +41,7 @@ const ways = motion && motion.chasers.flatMap(waysOf);
 // By leg: the number of the tour that it is of, as a chaser begins another one at a station.
 const tours = motion && motion.legs.map((leg, at) => motion.legs.slice(0, at).filter(({ chaser, to }) =>
   chaser === leg.chaser && to !== null && motion.bodies[to].kind === "station").length);
+const tourOf = (leg) => `tour ${motion.legs[leg - 1].chaser} ${tours[leg - 1]}`;
 const rings = motion && motion.bodies.map(ringOf);
 const farthest = motion && ways.reduce((most, { points }) => {
   for (let at = 0; at < points.length; at += 3) {
@@ -175,7 +176,8 @@ function stroke(context, colours, width, alpha, draw) {
 const atBegin = () => time <= reach()[0];
 
 function shownWays() {
-  return ways.filter(({ arc }) => !hidden.has(arc[PHASE]) && (!chosen || arc[LEG] === chosen));
+  return ways.filter(({ arc }) => !hidden.has(arc[PHASE])
+    && (chosen ? arc[LEG] === chosen : !alone || tourOf(arc[LEG]) === alone.tour));
 }
 
 const flying = ({ arc }) => !atBegin() && arc[BEGIN] <= time && time < arc[END];
@@ -194,7 +196,7 @@ const layer = { key: "", canvas: null };
 
 function layered(seen, ratio, moves) {
   const shown = shownWays();
-  const key = [...seen.right, ...seen.up, ...seen.earth, seen.radius, ratio, [...hidden].join(), chosen,
+  const key = [...seen.right, ...seen.up, ...seen.earth, seen.radius, ratio, [...hidden].join(), chosen, alone?.tour,
     atBegin(), shown.findLastIndex(({ arc }) => arc[BEGIN] <= time),
     shown.filter(flying).length, rings.length && rings[0].node(time).toFixed(2), dark.matches].join();
   if (layer.key === key && !moves) return layer.canvas;
@@ -320,7 +322,8 @@ function showGlobe() {
   const options = { moves, caption: filming !== null };
   const seen = paintGlobe(canvas, width, height, Math.min(devicePixelRatio, 2), options);
   // As with charts of the library, what is drawn stands at the element.
-  Object.assign(chart, { seen, time, marks: markedPlaces });
+  const legs = [...new Set(shownWays().map(({ arc }) => arc[LEG]))];
+  Object.assign(chart, { seen, time, marks: markedPlaces, legs });
   if (moves && playing === null) requestAnimationFrame(show);
 }
 

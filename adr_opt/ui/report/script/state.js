@@ -10,6 +10,7 @@ const dark = matchMedia("(prefers-color-scheme: dark)");
 const coarse = matchMedia("(pointer: coarse)").matches;
 const hidden = new Set(); // phases switched off
 let chosen = 0; // leg shown; 0 is the whole mission
+let alone = null; // tour that the globe shows without the others: its name and when it is flown [s]
 const drawn = new Set();
 const derived = new Set(["ground", "closeup", "across"]); // by the script, for a time
 const config = {

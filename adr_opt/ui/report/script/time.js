@@ -34,7 +34,7 @@ const legsAt = (seconds) =>
 const legShown = () => chosen || legsAt(time)[0] || 0;
 
 const reach = () =>
-  (chosen ? windows[chosen - 1].map((days) => days * DAY_S) : [0, mission.end_s]);
+  (chosen ? windows[chosen - 1].map((days) => days * DAY_S) : alone?.span ?? [0, mission.end_s]);
 
 // A leg as the list of legs has it; on a phone without its origin.
 function called(leg) {

@@ -83,9 +83,18 @@ const keys = {
   "+": () => comeNearer(NEARER), "=": () => comeNearer(NEARER), "-": () => comeNearer(1 / NEARER),
 };
 
+// Tours can be shown alone where a chaser flies more than one.
+function offerTours() {
+  const said = ({ chaser }, at) =>
+    `tour ${tours[at] + 1}${motion.chasers.length > 1 ? ` of ${plain(motion.chasers[chaser].name)}` : ""}`;
+  const named = new Map(motion.legs.map((leg, at) => [tourOf(at + 1), said(leg, at)]));
+  if (Math.max(...tours) > 0) box("view").append(...[...named].map(([tour, name]) => new Option(name, tour)));
+}
+
 function listenToView() {
   const chart = box("orbits");
   if (!chart) return;
+  offerTours();
   const tip = chart.querySelector(".tip");
   const pointers = new Map();
   let moved = 0;
@@ -142,9 +151,13 @@ function listenToView() {
     does();
   });
   box("view").addEventListener("change", ({ target }) => {
-    if (target.value === "" || target.value === "legs") whole();
-    camera.follows = target.value;
-    show();
+    const flown = windows.filter((_, at) => tourOf(at + 1) === target.value);
+    const span = [flown[0]?.[0], flown.at(-1)?.[1]].map((days) => days * DAY_S);
+    alone = flown.length ? { tour: target.value, span } : null;
+    camera.follows = alone ? "" : target.value;
+    if (camera.follows === "" || camera.follows === "legs") whole();
+    fitSlider();
+    setTime(alone ? span[0] : time);
   });
   new ResizeObserver(() => show()).observe(chart);
   const button = box("film");

@@ -18,8 +18,7 @@ function build({ import: options = [] }) {
 function refuse(sentence) {
   put("choose-refused", sentence);
   fields.forEach(([, field], at) => {
-    const mine = sentence !== "" && sentence.startsWith(labels[at])
-      && !labels.some((other) => other.length > labels[at].length && sentence.startsWith(other));
+    const mine = ["”", " ["].some((end) => sentence.startsWith(`“${labels[at]}${end}`));
     field.refuse(mine ? sentence : "");
     if (mine) {
       box("import-options").closest("details").open = true;
