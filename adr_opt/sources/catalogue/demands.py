@@ -197,7 +197,7 @@ def check_musts(
 
 
 def filled(
-    asked: TargetDemands,
+    demands: TargetDemands,
     targets: Sequence[ElementSet],
     catalogue: Sequence[ElementSet],
     crew: Crew,
@@ -209,7 +209,7 @@ def filled(
     What a table asks for goes before either, and the mass that all are towed with before the
     catalogue's.
     """
-    fields = {number: dict(its) for number, its in asked.fields.items()}
+    fields = {number: dict(its) for number, its in demands.fields.items()}
     for number, record in enumerate(targets):
         if record.mass_kg is not None and crew.towed_kg is None:
             fields.setdefault(number, {}).setdefault("mass_kg", record.mass_kg)
@@ -242,7 +242,7 @@ def targets_of(
     names: Sequence[str],
     orbits: Iterable[Orbit],
     crew: Crew,
-    asked: Mapping[int, Mapping[str, Any]],
+    fields: Mapping[int, Mapping[str, Any]],
 ) -> tuple[Target, ...]:
     """The targets with their names, orbits and requirements."""
     return tuple(
@@ -252,7 +252,7 @@ def targets_of(
                 "orbit": orbit,
                 "removal": crew.removal,
                 "mass_kg": crew.towed_kg,
-                **asked.get(number, {}),
+                **fields.get(number, {}),
             }
         )
         for number, (name, orbit) in enumerate(zip(names, orbits, strict=True))

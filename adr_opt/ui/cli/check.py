@@ -23,9 +23,7 @@ VIOLATED, UNASKED = "it has violations", "not requested"
 @click.command("check")
 @param.instance
 @param.plan
-@param.file(
-    "--refined-from", "For a refined PLAN: the plan that it refines.", name="planned_path"
-)
+@param.file("--refined-from", "For a refined PLAN: the plan that it refines.", name="planned_path")
 @no_fly_option
 @param.as_json
 def command(

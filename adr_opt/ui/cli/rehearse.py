@@ -42,7 +42,9 @@ NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
 )
 @param.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
 @param.seeded("Seed of the first world.")
-@param.count("--bounds", "N", "Number of worlds with a bound on every policy; default 0.", default=0)
+@param.count(
+    "--bounds", "N", "Number of worlds with a bound on every policy; default 0.", default=0
+)
 @param.word(
     "--bound-method",
     "NAME",
@@ -50,7 +52,9 @@ NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
     default="exact",
     shell_complete=complete.bounds,
 )
-@param.number("--bound-time-limit", "S", "Wall-clock limit of each proof; default 20 s.", default=20.0)
+@param.number(
+    "--bound-time-limit", "S", "Wall-clock limit of each proof; default 20 s.", default=20.0
+)
 @param.number(
     "--time-price",
     "P",

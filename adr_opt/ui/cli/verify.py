@@ -40,7 +40,9 @@ TOLD = (
     metavar="N",
     help="Number of connections to fly again by the physics of 'check'; default 1000.",
 )
-@click.option("--seed", type=click.IntRange(0), default=0, help="Seed for choosing them; default 0.")
+@click.option(
+    "--seed", type=click.IntRange(0), default=0, help="Seed for choosing them; default 0."
+)
 @param.file("--labels", "Closed labels to check, in place of a search for them.")
 @param.file("--save-labels", "Closed labels to write, for --labels.")
 @param.as_json
