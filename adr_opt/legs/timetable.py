@@ -241,8 +241,8 @@ class Timetable(Shown):
             ``destination`` (names or numbers of bodies), ``departure_s`` and ``arrival_s`` (since
             the epoch) and ``delta_v_m_s`` (the cost, in m/s by convention); a row for each.
         file : str, optional
-            What their file is called that ``instance.save`` writes, beside its own; by default as
-            the instance says, or "connections.parquet".
+            Name of their file, which ``instance.save`` writes beside its own; by default as the
+            instance says, or "connections.parquet".
 
         Raises
         ------

@@ -56,7 +56,7 @@ class CaptureConditions:
     mask_deg : float
         Least elevation at which they do [deg].
     given : mapping of str to (intervals, 2) float64
-        Times that other causes leave, by target [s]; one that is not named is free at all times.
+        Times that other conditions allow, by target [s]; all times for a target that is not named.
     margin_s : float
         By which every interval begins later and ends sooner [s].
     """

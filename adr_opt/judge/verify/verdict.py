@@ -39,7 +39,7 @@ MOST_CONNECTIONS = 1_000_000
 
 @dataclass(frozen=True)
 class Verdict:
-    """The findings.
+    """The outcome of :func:`verify`.
 
     Attributes
     ----------

@@ -62,8 +62,8 @@ class Demands:
     required : collection of str
         Objects that a plan has to service; each has to be a target.
     musts, excluded : collection of str
-        Objects that are targets which a plan has to service, whatever filters say; and objects
-        that are no targets. Each may be several with commas between them.
+        Objects that become required targets regardless of filters; and objects that are not
+        targets. Each may name several, separated by commas.
     wishes : collection of Wish
         Of a table, see :func:`.wishes.read_wishes`.
     only_wished : bool
