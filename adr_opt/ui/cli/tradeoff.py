@@ -171,7 +171,7 @@ def command(
     if page_path is not None:
         write_page(page_path, traded_page(made, endings))
     if plot_path is not None:
-        from ..plot.studies import tradeoff_chart
+        from ..plot.fronts import tradeoff_chart
 
         write_picture(tradeoff_chart(made, made.axes[0].kind), plot_path)
     if plans is not None:
