@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...common.stop import Stop
 
 
-@click.command("tradeoff", short_help="Plans and bounds over budgets, durations, drives, designs.")
+@click.command("tradeoff", short_help="Trade off budgets, durations, drives or designs.")
 @param.instance
 @param.many(
     "--vary",
@@ -54,8 +54,8 @@ if TYPE_CHECKING:
 @param.processes
 @param.file(
     "--out",
-    "CSV table to write; beside it FILE.jsonl, from which the same call resumes. Any other name: "
-    "that file alone.",
+    "CSV table to write, with a .jsonl file beside it from which the same call resumes; any name "
+    "but .csv: the latter file alone.",
 )
 @param.page
 @param.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
@@ -171,7 +171,7 @@ def command(
     if page_path is not None:
         write_page(page_path, traded_page(made, endings))
     if plot_path is not None:
-        from ..plot.studies import tradeoff_chart
+        from ..plot.fronts import tradeoff_chart
 
         write_picture(tradeoff_chart(made, made.axes[0].kind), plot_path)
     if plans is not None:

@@ -11,7 +11,7 @@ from ...common.constants import DAY_S
 from ...common.wording import counted, status_words
 from ...plan.palette import CHASERS
 from ..plot.chart import Chart, ChartAxis, Line
-from ..plot.studies import named, tradeoff_chart
+from ..plot.fronts import named, tradeoff_chart
 from .charts import drawn
 from .plain import page, section, table_of
 from .text import NOTHING, fixed, number

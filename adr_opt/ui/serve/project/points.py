@@ -13,7 +13,7 @@ from ....judge.admit import admit
 from ....plan.plan import Plan
 from ....problem.instance import Instance
 from ...plot.chart import Link
-from ...plot.studies import MILLION, Spot, bands_chart, front_chart, named
+from ...plot.fronts import MILLION, Spot, bands_chart, front_chart, named
 from ...report.charts import BOTTOM, LEFT, RIGHT, drawn, ends
 from .private import refuse_link
 
