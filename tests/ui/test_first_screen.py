@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import base64
+import os
 import re
+import unicodedata
 from pathlib import Path
+from typing import Any
 
 import browser
 import pytest
+from pdf_text import pdf_text
+from serve_tab import click, in_report, served
 from six_kinds import KINDS, SEED
 
 import adr_opt
+from adr_opt.common.constants import DAY_S
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.ui.report import write_report
@@ -19,6 +25,11 @@ from adr_opt.ui.report.sections import story
 
 SIZES = ((1400, 900), (390, 844))
 """Of a laptop and of a phone [px]."""
+
+
+def kinds(quick: str) -> list[Any]:
+    """All kinds of missions, of which one is tried each time."""
+    return [pytest.param(kind, marks=[] if kind == quick else pytest.mark.slow) for kind in KINDS]
 
 
 def flown(kind: str) -> tuple[Instance, Plan]:
@@ -32,10 +43,7 @@ def flown(kind: str) -> tuple[Instance, Plan]:
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
 @pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize(
-    "kind",
-    [pytest.param(kind, marks=[] if kind == "nominal" else pytest.mark.slow) for kind in KINDS],
-)
+@pytest.mark.parametrize("kind", kinds("nominal"))
 def test_the_story_is_on_the_first_screen(tmp_path: Path, kind: str, size: tuple[int, int]) -> None:
     """Sentence, globe and the lane of the first chaser can be seen without scrolling."""
     width, height = size
@@ -51,27 +59,32 @@ def test_the_story_is_on_the_first_screen(tmp_path: Path, kind: str, size: tuple
         assert tab.evaluate("document.documentElement.scrollWidth") == width
 
 
-BESIDE_THE_EDITOR = ((940, 832), (390, 792))
-"""Of the report on the live page: beside its editor on a laptop, below its tabs on a phone [px]."""
-
-
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
-@pytest.mark.parametrize("size", BESIDE_THE_EDITOR)
-def test_the_story_is_on_the_first_screen_of_the_live_page(
-    tmp_path: Path, size: tuple[int, int]
-) -> None:
-    """Beside the editor, too, with the ΔV left, and with leg and time in one bar."""
-    width, height = size
-    write_report(*flown("nominal"), tmp_path / "mission.html")
-    with browser.Browser(tmp_path / "profile", width=width, height=height) as tab:
-        tab.open(tmp_path / "mission.html")
-        tab.wait_for("document.documentElement?.dataset.complete")
-        ends = tab.evaluate(
-            "['.story', '.timebar #leg', '#orbits', '#lanes', '#budget'].map((part) =>"
-            " document.querySelector(part).getBoundingClientRect().bottom)"
-        )
-        assert max(ends) <= height, ends
-        assert tab.evaluate("document.documentElement.scrollWidth") == width
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+@pytest.mark.parametrize("kind", kinds("nominal"))
+def test_the_story_is_on_the_first_screen_of_the_live_page(tmp_path: Path, kind: str) -> None:
+    """Beside the editor, too, or below the tabs, with leg and time in one bar and all lanes."""
+    pytest.importorskip("uvicorn")
+    instance, plan = flown(kind)
+    instance.save(tmp_path / "my.json")
+    plan.save(tmp_path / "plan.json")
+    with served(tmp_path, "my.json", "plan.json") as said:
+        for width, height in (*SIZES, (1280, 900)):
+            folder = tmp_path / f"profile-{width}"
+            with browser.Browser(folder, width=width, height=height) as tab:
+                tab.go(said["url"])
+                tab.wait_for("document.documentElement?.dataset.reported")
+                if width < 600:
+                    click(tab, "to-report")
+                in_report(tab, "innerWidth > 300 && document.documentElement?.dataset.complete")
+                above = tab.evaluate("document.querySelector('iframe').getBoundingClientRect().top")
+                ends = in_report(
+                    tab,
+                    "['.story', '.timebar #leg', '#orbits', '#lanes'].map((part) =>"
+                    " document.querySelector(part).getBoundingClientRect().bottom)",
+                )
+                assert above + max(ends) <= height, (width, ends)
+                assert in_report(tab, "document.documentElement.scrollWidth === innerWidth")
 
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
@@ -104,10 +117,27 @@ def test_charts_fit_on_paper(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
-@pytest.mark.parametrize(
-    "kind",
-    [pytest.param(kind, marks=[] if kind == "campaign" else pytest.mark.slow) for kind in KINDS],
-)
+def test_every_day_and_leg_is_printed(tmp_path: Path) -> None:
+    """The text of the PDF has all days of the charts and, row by row, the cells of all legs."""
+    instance, plan = flown("nominal")
+    write_report(instance, plan, tmp_path / "mission.html")
+    with browser.Browser(tmp_path / "profile", width=1400, height=900) as tab:
+        tab.open(tmp_path / "mission.html")
+        tab.wait_for("document.documentElement?.dataset.complete")
+        rows = tab.evaluate(
+            "[...document.querySelectorAll('.legs tr[data-leg]')].map((row) =>"
+            " [...row.cells].slice(1).map((cell) => cell.textContent).join(''))"
+        )
+        text = pdf_text(base64.b64decode(tab.call("Page.printToPDF")["data"]))
+    days = "".join(str(day) for day in range(round(instance.mission.duration_s / DAY_S) + 1))
+    assert text.count(days) >= 3  # lanes, ΔV left, altitude
+    assert len(rows) == len(plan.legs) > 10
+    for row in rows:
+        assert "".join(unicodedata.normalize("NFKC", row).split()) in text
+
+
+@pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.parametrize("kind", kinds("campaign"))
 def test_two_pages_are_printed_where_they_are_asked_for(tmp_path: Path, kind: str) -> None:
     """One sheet has the story with the globe, the other the legs; printed otherwise it has all."""
 
