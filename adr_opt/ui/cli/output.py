@@ -35,14 +35,15 @@ def _emit(text: str) -> None:
 
 def emit_json(content: Any) -> None:
     """Print one JSON object on standard output; numbers that are not finite become null."""
-    emit(json.dumps(_plain(content), indent=1, ensure_ascii=False, allow_nan=False))
+    emit(json.dumps(plain_data(content), indent=1, ensure_ascii=False, allow_nan=False))
 
 
-def _plain(value: Any) -> Any:
+def plain_data(value: Any) -> Any:
+    """Data as JSON has them, with None for each number that is not finite."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain_data(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain_data(item) for item in value]
     if hasattr(value, "item"):  # a NumPy number, as counters may be
         value = value.item()
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -106,7 +106,6 @@ def command(
     from ...common.files import write_text
     from ...problem.instance import load
     from ...run.front import DEFAULT_METHOD
-    from ...sources import catalogue, worth
     from ..report.plain import check_page, write_page
     from ..report.scenario import scenario_page
     from .bars import counting_bar, wanted
@@ -116,8 +115,6 @@ def command(
     results = (out, removals_path, page_path)
     check_outs(results, *read)
     check_page(page_path)
-    if any(not pattern.strip() for pattern in exclude):
-        raise InputError("--exclude '': give a part of a name or a pattern")
     settings = ScenarioSettings(
         years=years,
         every=every,
@@ -139,9 +136,7 @@ def command(
     names = parse_species(species)
     template = None if campaign_path is None else load(campaign_path)
     launches = () if launches_path is None else read_launches(launches_path)
-    satcat = None if satcat_path is None else worth.read_satcat(satcat_path)
-    found = catalogue.read(files, skip_bad=skip_bad)
-    bodies, notes = measured_bodies(found.records, satcat, satcat_path, table_path, exclude)
+    bodies, *_, notes = measured_bodies(files, satcat_path, table_path, exclude, skip_bad=skip_bad)
     with counting_bar(wanted(as_json, quiet), "years") as show:
         made = scenario(
             bodies, template, settings, launches=launches, folder=folder, jobs=jobs, show=show

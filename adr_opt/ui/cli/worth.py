@@ -16,7 +16,6 @@ from .parameters import check_outs
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ...sources.catalogue import ElementSet
     from ...sources.worth import Bodies, Satcat
 
 
@@ -64,7 +63,7 @@ def command(
     that they stay. Prizes add up: no set avoids less than the sum of its prizes.
     """
     from ...common.files import write_text
-    from ...sources import catalogue, worth
+    from ...sources import worth
     from ...sources.worth.worth import check_years
     from ...sources.worth.worth_file import check_count
     from ..report.plain import check_page, write_page
@@ -75,8 +74,6 @@ def command(
     check_outs((out, details, pairs, page_path), *read)
     check_page(page_path)
     check_years(years)
-    if any(not pattern.strip() for pattern in exclude):
-        raise InputError("--exclude '': give a part of a name or a pattern")
     if candidates < 0:
         raise InputError(f"--candidates {candidates}: must be at least 0, for all objects")
     if falling is not None and not 0 < falling < years:
@@ -90,9 +87,9 @@ def command(
         raise InputError(f"--jobs {jobs}: must be at least 0, for all cores")
     if unit is not None and not unit > 0.0:
         raise InputError(f"--unit {unit:g}: must be positive")
-    satcat = None if satcat_path is None else worth.read_satcat(satcat_path)
-    found = catalogue.read(files, skip_bad=skip_bad)
-    bodies, notes = measured_bodies(found.records, satcat, satcat_path, table_path, exclude)
+    bodies, satcat, bad_rows, notes = measured_bodies(
+        files, satcat_path, table_path, exclude, skip_bad=skip_bad
+    )
     with counting_bar(wanted(as_json, quiet), "encounters") as show:
         made = worth.worth_of(bodies, years, activity, jobs, show)
     later = [
@@ -102,7 +99,7 @@ def command(
     prizes = worth.prizes_of(made, candidates, unit, jobs, later=later)
     told = worth.answer(prizes, satcat) | {
         "path": out,
-        "bad_rows": len(found.dropped),
+        "bad_rows": bad_rows,
         "falling_years": falling or 0,
     }
     page = None if page_path is None else worth_page(prizes, told)
@@ -175,21 +172,29 @@ FEW = 0.5
 
 
 def measured_bodies(
-    records: Sequence[ElementSet],
-    satcat: Satcat | None,
+    files: Sequence[str],
     satcat_path: str | None,
     table_path: str | None,
     excluded: Collection[str],
-) -> tuple[Bodies, list[str]]:
-    """Orbits, masses and sizes, and notes: rows without an object, masses that are defaults.
+    *,
+    skip_bad: bool,
+) -> tuple[Bodies, Satcat | None, int, list[str]]:
+    """Orbits, masses and sizes of catalogued objects, the catalogue of sizes, and bad rows.
+
+    Notes come last: rows without an object, masses that are defaults.
 
     Raises
     ------
     InputError
-        As for :func:`adr_opt.sources.worth.read_measures`.
+        A file cannot be read, or a pattern is empty.
     """
-    from ...sources import worth
+    from ...sources import catalogue, worth
 
+    if any(not pattern.strip() for pattern in excluded):
+        raise InputError("--exclude '': give a part of a name or a pattern")
+    satcat = None if satcat_path is None else worth.read_satcat(satcat_path)
+    found = catalogue.read(files, skip_bad=skip_bad)
+    records = found.records
     table = None if table_path is None else worth.read_measures(table_path, records)
     bodies = worth.bodies_of(records, satcat, table and table.known, excluded)
     notes = []
@@ -212,4 +217,4 @@ def measured_bodies(
             + ", ".join(f"{what} {count}" for what, count in defaults.items())
             + "; give better ones with --satcat or --table"
         )
-    return bodies, notes
+    return bodies, satcat, len(found.dropped), notes

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import gzip
 import json
-import math
 import secrets
 import threading
 from collections.abc import AsyncIterator, Callable
@@ -27,6 +26,7 @@ from starlette.responses import (
 from starlette.routing import Route
 
 from ...common.errors import InputError
+from ..cli.output import plain_data
 from ..report import page, plain
 from ..report.assets import asset
 from .backend import Backend, choices
@@ -87,17 +87,7 @@ def to_json(content: Any) -> str:
     try:
         return json.dumps(content, allow_nan=False)
     except ValueError:
-        return json.dumps(_finite(content), allow_nan=False)
-
-
-def _finite(content: Any) -> Any:
-    if isinstance(content, float):
-        return content if math.isfinite(content) else None
-    if isinstance(content, dict):
-        return {name: _finite(value) for name, value in content.items()}
-    if isinstance(content, (list, tuple)):
-        return [_finite(value) for value in content]
-    return content
+        return json.dumps(plain_data(content), allow_nan=False)
 
 
 PAUSE_S, BREATH_S = 0.2, 15.0

@@ -129,21 +129,7 @@ def wanted_of(given: dict[str, Any], *, messages: bool = False) -> ImportWanted:
     fitting = Fitting(**{name: value[name] for name in Fitting._fields})
     crew_options = CrewOptions(
         fitting,
-        **{
-            name: value[name]
-            for name in (
-                "launches",
-                "launch_every",
-                "launch_separation",
-                "launch_into",
-                "launcher",
-                "end_of_life",
-                "expense",
-                "thrust",
-                "duty_cycle",
-                "service_days",
-            )
-        },
+        **{name: value[name] for name in CrewOptions._fields if name in value},
         deadlines=several["deadline"],
         required=several["require"],
         musts=(),

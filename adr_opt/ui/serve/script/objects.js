@@ -121,7 +121,8 @@ function legend() {
   const by = box("colour-by").value;
   painted = paint(field, by);
   box("legend").replaceChildren(...painted.legend.map(({ shade, words, kind }) => {
-    const swatch = made("i", { class: `swatch ${shade}`, "aria-hidden": "true" });
+    const swatch = made("i", { class: "swatch", "aria-hidden": "true" });
+    swatch.style.setProperty("--shade", `var(--${shade})`);
     if (kind === null) return made("li", {}, swatch, words);
     const press = button("", () => {
       const off = !filters.hidden.has(kind);

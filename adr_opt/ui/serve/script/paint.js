@@ -3,7 +3,7 @@ import { colour, text } from "./dom.js";
 import { known } from "./columns.js";
 
 const CLASSES = 5;
-const KINDS = 6; // colours; further kinds share the last one
+const KINDS = ["accent", "kind-1", "good", "kind-3", "bad", "quiet"]; // further kinds share the last colour
 
 // A colour of the style sheet as a pixel of an ImageData seen as 32-bit numbers (little endian).
 export function pixel(name) {
@@ -41,7 +41,7 @@ export function paint(field, by) {
     });
     return { pixels, numbers, legend };
   }
-  const shades = field.kinds.map((_, number) => `kind-${Math.min(number, KINDS - 1)}`);
+  const shades = field.kinds.map((_, number) => KINDS[number] ?? KINDS.at(-1));
   const of = shades.map(pixel);
   for (let at = 0; at < field.count; at += 1) pixels[at] = of[field.kind[at]];
   const counts = new Array(field.kinds.length).fill(0);
