@@ -15,8 +15,7 @@ from solvers.beams.greedy_order import greedy_sequence
 from solvers.bounds.lagrangian import lagrangian
 from solvers.labels.label_search import LabelSearch
 from solvers.networks import simd
-from solvers.walks.completion_times import latest_of
-from solvers.walks.latest_times import latest_time
+from solvers.walks.latest_times import latest_of, latest_time
 from solvers.walks.multipliers import Descent
 from solvers.walks.walks import MOST_SLOTS, WalkBound
 
