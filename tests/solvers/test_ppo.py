@@ -24,7 +24,7 @@ torch = pytest.importorskip("torch")
 
 from adr_opt.learning.environment import Fields  # noqa: E402
 from adr_opt.learning.environment.vector import MissionVecEnv  # noqa: E402
-from adr_opt.learning.training.network import SetNetwork  # noqa: E402
+from adr_opt.learning.training.policy_network import SetNetwork  # noqa: E402
 
 FILE = Path(adr_opt.__file__).parent / "learning" / "weights" / "policy.npz"
 
