@@ -17,7 +17,7 @@ from on_a_layer import best_on_layer
 
 import adr_opt
 from adr_opt.common.constants import STATION
-from adr_opt.common.stop import Interrupted, MaxIterations, MaxRuntime
+from adr_opt.common.stop import MaxIterations, MaxRuntime
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
@@ -239,13 +239,3 @@ def test_more_than_64_targets() -> None:
         )
     )
     assert plan(Mission(last, threads=1), width=200).objective >= 3.0
-
-
-def test_interrupted_before_it_begins() -> None:
-    """Told to stop at once, it returns the plan that visits nothing."""
-    stop = Interrupted()
-    stop.interrupt()
-    mission = Mission(hand_made(), threads=1)
-    result = plan(mission, stop=stop)
-    assert result.sequence == ()
-    assert result.counters["states"] == 0
