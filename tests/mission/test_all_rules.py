@@ -44,7 +44,7 @@ every_kind = over_kinds(
     given=(given_mission, range(80), 6),
     visits=(visiting_field, range(120), 10),
     captures=(captured_field, range(240), 10),
-    started=(started_mission, range(90), 12),
+    started=(started_mission, range(90), 6),
 )
 every_kind_and_tows = over_kinds(
     "draw, seeds",
@@ -53,7 +53,7 @@ every_kind_and_tows = over_kinds(
     given=(given_mission, range(80), 12),
     visits=(visiting_field, range(120), 20),
     captures=(captured_mission, range(240), 20),
-    started=(started_mission, range(90), 21),
+    started=(started_mission, range(90), 9),
     tow=(towing_mission, range(80), 10),
     falls=(falling_mission, range(160), 12),
 )
