@@ -51,8 +51,8 @@ from adr_opt.learning.environment import OBSERVATIONS, MissionEnv, MissionVecEnv
 from adr_opt.learning.environment.fields import FIRST_SEED
 from adr_opt.learning.episodes import Board
 from adr_opt.learning.evaluation import APART, KINDS, digest, evaluate, splits
-from adr_opt.learning.held import FAMILIES as HELD_FAMILIES
-from adr_opt.learning.held import HeldFields, chaser_by_chaser
+from adr_opt.learning.held_out import FAMILIES as HELD_FAMILIES
+from adr_opt.learning.held_out import HeldFields, chaser_by_chaser
 from adr_opt.learning.policy import SHIPPED, load_policy
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.uncertainty import Uncertainty
@@ -466,7 +466,7 @@ def ablation(steps: int = 131_072, seeds: int = 1, fields: int = 50) -> None:
                 def report(_: int, means: Mapping[str, float], to: Any = told) -> None:
                     to.update(means)
 
-                train(config, Path(folder), seed=seed, report=report, held=held)
+                train(config, Path(folder), seed=seed, report=report, held_out=held)
                 visits.append(f"{told['nominal']:.2f}")
         row(sharing, seen.strip(), f"{config.rate:g}", steps, ", ".join(visits))
 

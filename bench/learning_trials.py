@@ -30,7 +30,7 @@ from adr_opt.learning.decoding import pick
 from adr_opt.learning.environment.drawn import DrawnFields
 from adr_opt.learning.episodes import Board, FieldPool, new_episodes, start
 from adr_opt.learning.evaluation import chosen
-from adr_opt.learning.held import HeldFields
+from adr_opt.learning.held_out import HeldFields
 from adr_opt.learning.policy import Policy
 from adr_opt.learning.training.configs import POLICY, PUBLISHED_CONFIG, Config
 from adr_opt.learning.training.network import SetNetwork
@@ -134,7 +134,7 @@ def with_critic(config: Config, held: HeldFields, seed: int) -> float:
         told.update(means)
 
     with TemporaryDirectory() as folder:
-        train(config, Path(folder), seed=seed, evaluate_every=10**9, report=report, held=held)
+        train(config, Path(folder), seed=seed, evaluate_every=10**9, report=report, held_out=held)
     return told["nominal"]
 
 

@@ -4,7 +4,7 @@
     python bench/planners.py quality campaign greedy-guarded auto@60 --chasers 5
     python bench/planners.py quality removal auto@200 --count 10 --falls 2,1
     python bench/planners.py tenth --count 3 --limit 60
-    python bench/planners.py without strings sso rocket-bodies --limit 20
+    python bench/planners.py without sso rocket-bodies --mechanisms strings --limit 20
 
 A method is NAME[:OPTION=VALUE,…][+BOUND][@SECONDS]. Visits against time are those of
 ``bench/time_quality.py``.
@@ -12,10 +12,12 @@ A method is NAME[:OPTION=VALUE,…][+BOUND][@SECONDS]. Visits against time are t
 
 from __future__ import annotations
 
+import math
 import resource
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from statistics import mean, median
+from statistics import mean, median, stdev
 from typing import Any, Literal, NamedTuple
 
 from contest.orienteering import KINDS, draw, instance_of
@@ -279,59 +281,96 @@ def tenth(
         print(f"\n{len(every)} fields: {mean(every):.1%} of the optimum in the mean")
 
 
-Mechanism = Literal["strings", "recreation", "moves", "exchanges"]
+Mechanism = Literal["strings", "recreation", "moves", "completions", "exchanges"]
 
 PLACES: dict[Mechanism, tuple[tuple[Any, str, Any], ...]] = {
     "strings": tuple((each, "strings_of", None) for each in (one_route, local_search)),
     "recreation": tuple((each, "recreate", ()) for each in (one_route, local_search)),
     "moves": ((RouteSearch, "move", None), (RouteSearch, "complete", None)),
+    "completions": ((RouteSearch, "complete", None),),
     "exchanges": ((Exchanges, "anneal", False),),
 }
 """Where each mechanism of a search is called, and what it returns when it does nothing."""
 
 
+class Searched(NamedTuple):
+    """What a plan collects and spends [m/s], and the mechanisms that its search called."""
+
+    prizes: float
+    delta_v_m_s: float
+    called: frozenset[Mechanism]
+
+
 def _searched(
     instance: Instance, method: str, limit_s: float, left_out: Mechanism | None
-) -> tuple[float, float]:
-    """Prizes and ΔV [m/s] of a plan within a limit of processor time, in a process alone."""
+) -> Searched:
+    """A plan within a limit of processor time that starts with a ready timetable."""
     few = instance.replace(targets=instance.targets[:8])
     adr_opt.solve(few, method, time_limit=5.0)  # compiles
-    for owner, name, nothing in PLACES[left_out] if left_out else ():
-        setattr(owner, name, lambda *given, nothing=nothing, **named: nothing)
+    problem, called = ready(instance), set[Mechanism]()
+
+    def replaced(mechanism: Mechanism, usual: Callable[..., Any], nothing: Any) -> Any:
+        def does(*given: Any, **named: Any) -> Any:
+            called.add(mechanism)
+            return nothing if mechanism == left_out else usual(*given, **named)
+
+        return does
+
+    for mechanism, places in PLACES.items():
+        for owner, name, nothing in places:
+            setattr(owner, name, replaced(mechanism, getattr(owner, name), nothing))
     count_processor_time()
-    result = adr_opt.solve(instance, method, time_limit=limit_s)
+    result = adr_opt.solve(problem, method, time_limit=limit_s)
     assert result.plan is not None
     assert adr_opt.check(instance, result.plan) == ()
-    return result.objective, result.plan.delta_v_m_s
+    return Searched(result.objective, result.plan.delta_v_m_s, frozenset(called))
 
 
 def without(
-    mechanism: Mechanism,
     *families: str,
+    mechanisms: tuple[Mechanism, ...] = ("strings", "recreation", "moves", "exchanges"),
+    targets: int | None = None,
     chasers: int | None = None,
+    falls: str = "",
     method: str = "auto",
     limit: float = 20.0,
     count: int = 6,
     first: int = 400,
 ) -> None:
-    """What a mechanism of a search is worth: plans with it and without it at equal processor time.
+    """What mechanisms of a search are worth: plans with all and without one at equal work.
 
-    Families are those of ``generate``, from seed ``--first`` on. Leads are those of the search
-    with the mechanism.
+    Work is processor time, each plan is made in a process of its own, and a mechanism is left out
+    where the whole search calls it. Families are those of ``generate``, from seed ``--first`` on.
+    Leads are those of the whole search, with their standard error; those in ΔV of fields where
+    both collect as much.
     """
-    head("family", "prizes with it", "without", "lead of each field", "ΔV with it", "without")
+    head("family", "left out", "prizes", "without", "lead", "lead of each field", "ΔV saved")
     for family in families:
-        pairs = []
+        pairs: dict[Mechanism, list[tuple[Searched, Searched]]] = {}
         for seed in range(first, first + count):
-            instance = adr_opt.generate(family, seed, chasers=chasers)
+            drawn = adr_opt.generate(family, seed, targets=targets, chasers=chasers)
+            instance = falling(drawn, numbers(falls))
             whole = alone(_searched, instance, method, limit, None)
-            pairs.append((whole, alone(_searched, instance, method, limit, mechanism)))
-        leads = " ".join(f"{whole[0] - part[0]:+g}" for whole, part in pairs)
-        prizes, spent = (
-            [f"{mean(pair[side][what] for pair in pairs):.{digits}f}" for side in (0, 1)]
-            for what, digits in ((0, 2), (1, 1))
-        )
-        row(family, *prizes, leads, *spent)
+            for mechanism in sorted(whole.called & {*mechanisms}):
+                part = alone(_searched, instance, method, limit, mechanism)
+                pairs.setdefault(mechanism, []).append((whole, part))
+                print(family, seed, mechanism, *whole[:2], *part[:2], file=sys.stderr, flush=True)
+        for mechanism, both in pairs.items():
+            leads = [whole.prizes - part.prizes for whole, part in both]
+            saved = [w.delta_v_m_s - p.delta_v_m_s for w, p in both if w.prizes == p.prizes]
+            row(
+                *(family, mechanism),
+                *(f"{mean(pair[side].prizes for pair in both):.2f}" for side in (0, 1)),
+                _with_error(leads),
+                " ".join(f"{lead:+g}" for lead in leads),
+                _with_error([-each for each in saved]) if saved else "",
+            )
+
+
+def _with_error(values: list[float]) -> str:
+    """Mean of values and its standard error."""
+    error = stdev(values) / math.sqrt(len(values)) if len(values) > 1 else math.nan
+    return f"{mean(values):+.2f} ± {error:.2f}"
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ AUTO = MethodSpec(
     on_demand=True,
     orders_all=True,
     begins="solvers.routes.engine_rounds:first_routes",
-    practice=Practice(more="solvers.labels.practice:practise"),
+    practice=Practice(more="solvers.labels.label_search:practise"),
 )
 
 EXACT = MethodSpec(
@@ -43,7 +43,7 @@ EXACT = MethodSpec(
     shows_evidence=True,
     bounds_all_pairs=True,
     on_demand=True,
-    practice=Practice(rounds=12, more="solvers.labels.practice:practise"),
+    practice=Practice(rounds=12, more="solvers.labels.label_search:practise"),
 )
 
 GREEDY = MethodSpec(

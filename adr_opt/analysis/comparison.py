@@ -182,7 +182,7 @@ def compare(instance: Instance, plans: Mapping[str, AnyPlan]) -> Comparison:
     Raises
     ------
     InputError
-        There is less than two, or one belongs to another instance.
+        There are fewer than two plans, or one belongs to another instance.
     """
     refuse(instance, FOLLOWS)
     if len(plans) < 2:

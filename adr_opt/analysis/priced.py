@@ -155,16 +155,16 @@ def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedO
     ----------
     instance : Instance, path or dict
     orders : Plan, mapping, or sequence
-        Bodies in order by name or by number: a sequence of them for an only chaser, of several a
-        sequence of such sequences, or such a sequence by the name of the chaser. Of a plan, which
-        may belong to another instance with such bodies, the orders count and not the times.
+        Bodies in order, by name or number: one sequence for a single chaser; for several, a
+        sequence of sequences, or a mapping from names of chasers. Of a plan, which may belong to
+        another instance with these bodies, only the orders are used, not the times.
     mend : bool
-        Whether to look for what would mend an order that breaks.
+        Whether to look for changes that repair an order that cannot be flown.
 
     Raises
     ------
     InputError
-        A name is none of a chaser or a body, or two chasers go to one target. Or missions are kept
+        A name is not that of a chaser or a body, two chasers go to one target, missions are kept
         apart, or the time of legs is limited.
     """
     begun = now_s()

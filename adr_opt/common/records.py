@@ -78,7 +78,11 @@ class Record(BaseModel, metaclass=_Listed):
     @classmethod
     def json_schema(cls) -> dict[str, Any]:
         """The JSON Schema of a file that holds such a record."""
-        return {"$schema": JSON_SCHEMA, **cls.model_json_schema()}
+        schema = cls.model_json_schema()
+        for each in (schema, *schema.get("$defs", {}).values()):
+            if "description" in each:
+                each["description"] = each["description"].partition("\n\n")[0]
+        return {"$schema": JSON_SCHEMA, **schema}
 
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.

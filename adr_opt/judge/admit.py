@@ -85,12 +85,12 @@ def admit(
     ----------
     instance : Instance, path or dict
     plan : Plan, RefinedPlan or Certificate
-        One that is admitted already is so still, over the same instance.
+        Or one that is already admitted, over the same instance.
     unjudged : bool
         Whether one with violations is let in with them, where it belongs to the instance and can
         be read at all.
     excused : collection of str
-        Rules whose violations the caller answers for itself.
+        Rules whose violations do not count here, because the caller handles them.
     refined_from : Plan, optional
         The plan that a refined one was made of, by default the one in its file.
 

@@ -22,7 +22,7 @@ from ..run.front import solve
 from ..sources.generator import generate
 from .episodes import Board
 from .episodes.worlds import TROUBLED
-from .held import FAMILIES, HeldFields, chaser_by_chaser
+from .held_out import FAMILIES, HeldFields, chaser_by_chaser
 from .policy import SHIPPED, Policy, load_policy, log_probabilities
 
 CONFIDENT = 1.96
@@ -183,9 +183,9 @@ def evaluate(
         if wanted := [kind for kind in group if kind in kinds]:
             first = block["apart" if family in APART else "first"] + after
             began = time.process_time()
-            held = HeldFields(first, count, family)
+            held_out = HeldFields(first, count, family)
             table_s = (time.process_time() - began) / count
-            visits, spent_s = _collected(learned, held, group, budget, seed)
+            visits, spent_s = _collected(learned, held_out, group, budget, seed)
             seeds = list(range(first, first + count))
             for kind in wanted:
                 bounds = block["bounds"].get(kind, {})
@@ -201,19 +201,19 @@ def evaluate(
 
 
 def _collected(
-    policy: Policy, held: HeldFields, kinds: tuple[str, ...], budget: int, seed: int
+    policy: Policy, held_out: HeldFields, kinds: tuple[str, ...], budget: int, seed: int
 ) -> tuple[dict[str, npt.NDArray[np.int64]], float]:
     """Most visits of some plans on each field, and the time for a kind in known worlds [s]."""
     greedy, rng = partial(chosen, policy), np.random.default_rng(seed)
     certain = tuple(kind for kind in kinds if kind != UNCERTAIN)
     began = time.process_time()
-    best = held.visits(greedy, families=certain)
+    best = held_out.visits(greedy, families=certain)
     for _ in range(budget - 1):
-        drawn = held.visits(partial(chosen, policy, rng=rng), families=certain)
+        drawn = held_out.visits(partial(chosen, policy, rng=rng), families=certain)
         best = {kind: np.maximum(best[kind], drawn[kind]) for kind in certain}
     spent_s = (time.process_time() - began) / len(certain)
     if UNCERTAIN in kinds:
-        best[UNCERTAIN] = held.visits(greedy, families=("nominal",), model=TROUBLED)["nominal"]
+        best[UNCERTAIN] = held_out.visits(greedy, families=("nominal",), model=TROUBLED)["nominal"]
     return best, spent_s
 
 

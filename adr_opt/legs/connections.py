@@ -37,8 +37,7 @@ class Connections(Shown):
     delta_v : (connections,) float64
         [m/s].
     revolutions : (connections,) int8
-        Phasing revolutions; −1 for a transfer that drifts; 0 for one that is given, and 1 if it is
-        an exception.
+        Phasing revolutions; −1 for a transfer that drifts, 0 for one that is given.
     family : (connections,) int8
         Number of the family of legs that each is of, in the order of :func:`.leg_kinds`.
     mass_kg : (connections,) float64 or None
@@ -82,8 +81,7 @@ class AllConnections(Shown):
     delta_v : (connections,) float64
         [m/s].
     revolutions : (connections,) int8
-        Phasing revolutions; −1 for a transfer that drifts; 0 for one that is given, and 1 if it is
-        an exception.
+        Phasing revolutions; −1 for a transfer that drifts, 0 for one that is given.
     family : (connections,) int8
         Number of the family of legs that each is of, in the order of :func:`.leg_kinds`.
     """

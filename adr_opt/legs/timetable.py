@@ -72,7 +72,7 @@ class Timetable(Shown):
     chaser : int, optional
         Number of the chaser whose availability limits the choice of transfers. By default the
         availability of any chaser does.
-    asked : Neighbours, optional
+    examined : Neighbours, optional
         Nothing is built: chosen connections are computed on demand (:attr:`is_on_demand`), and
         these are the pairs that searches examine. Only if
         :attr:`~.connection_finder.ConnectionFinder.may_be_on_demand` says so.
@@ -107,7 +107,7 @@ class Timetable(Shown):
         time_value_m_s_per_h: float | None = None,
         connecting: ConnectionFinder | None = None,
         chaser: int | None = None,
-        asked: Neighbours | None = None,
+        examined: Neighbours | None = None,
     ) -> None:
         instance = followed(instance, FOLLOWS)
         if time_value_m_s_per_h is None:
@@ -118,7 +118,7 @@ class Timetable(Shown):
             )
         corrections = NO_CORRECTIONS if connecting is None else connecting.corrections
         size = estimate(instance)
-        if asked is not None:
+        if examined is not None:
             pairs = Pairs(np.arange(size.bodies), np.empty((size.bodies, 0), dtype=np.int32))
         if pairs is None:
             if not size.fits:
@@ -134,7 +134,7 @@ class Timetable(Shown):
 
         if connecting is None or connecting.instance is not instance:
             connecting = ConnectionFinder(instance, corrections, chaser or 0)
-        if asked is not None:
+        if examined is not None:
             assert connecting.may_be_on_demand
             built = 0
             rule = instance.transfer_rule(time_value_m_s_per_h)
@@ -145,7 +145,7 @@ class Timetable(Shown):
                 *connecting.inputs[:3],
                 rule,
                 limits._replace(windows=in_sight),
-                *asked,
+                *examined,
                 connecting.is_listed,
                 interval,
                 math.inf if connecting.times is None else connecting.times.most,
@@ -241,8 +241,8 @@ class Timetable(Shown):
             ``destination`` (names or numbers of bodies), ``departure_s`` and ``arrival_s`` (since
             the epoch) and ``delta_v_m_s`` (the cost, in m/s by convention); a row for each.
         file : str, optional
-            What their file is called that ``instance.save`` writes, beside its own; by default as
-            the instance says, or "connections.parquet".
+            Name of their file, which ``instance.save`` writes beside its own; by default as the
+            instance says, or "connections.parquet".
 
         Raises
         ------

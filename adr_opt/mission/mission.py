@@ -174,7 +174,7 @@ class Mission(Shown, Prizes):
             time_value_m_s_per_h=self.time_value_m_s_per_h,
             connecting=self.connecting,
             chaser=self._number,
-            asked=near,
+            examined=near,
         )
 
     def do_without(self) -> None:

@@ -27,7 +27,8 @@ def as_it_is(mission: Mission, order: Iterable[Body]) -> tuple[Body, ...]:
     ----------
     mission : Mission
     order : iterable of int or str
-        Bodies in order, the station for refuelling; by number or by name, as what is given back.
+        Bodies in order, the station for refuelling; by number or name, and returned in the same
+        form.
     """
     moves = tuple(order)
     return moves[: mission.time(moves).made]
@@ -44,7 +45,8 @@ def mended(mission: Mission, order: Iterable[Body]) -> tuple[Body, ...]:
     ----------
     mission : Mission
     order : iterable of int or str
-        Bodies in order, the station for refuelling; by number or by name, as what is given back.
+        Bodies in order, the station for refuelling; by number or name, and returned in the same
+        form.
     """
     given = tuple(order)
     best = _best(mission, tuple(mission.numbers(given).tolist()))

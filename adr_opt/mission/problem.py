@@ -60,8 +60,8 @@ class Problem(Shown, Prizes):
     timetables : sequence of Timetable
         Of the instance, one for each chaser, if they are there already.
     missions : sequence of Mission
-        Of the instance, one for each chaser, if they are there already. They bring what the
-        arguments above would say.
+        Of the instance, one for each chaser, if they are there already. They replace the arguments
+        above.
 
     Attributes
     ----------

@@ -70,9 +70,9 @@ class Schedule:
     departures, arrivals, ends : (made,) float64
         Of each leg, and the end of the service that follows it [s].
     delta_vs, lefts : (made,) float64
-        What each leg takes out of the tank, without tows: of the first one with what was spent
-        before the start; and what is left after its service, as the rules count it, with the slack
-        that a tank may be overdrawn by [m/s].
+        ΔV that each leg draws from the tank, without tows, the first one with the ΔV spent before
+        the start; and the ΔV left after its service, plus the slack by which a tank may be
+        overdrawn [m/s].
     revolutions, families : (made,) int8
         Phasing revolutions of each leg, and the number of its family.
     masses : (made,) float64

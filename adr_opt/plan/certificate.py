@@ -111,20 +111,38 @@ class ProvenCost(Record):
 
 
 class Certificate(Shown, Record):
-    """Evidence for a bound.
+    """Evidence for an upper bound (docs/certificates.md).
 
-    No plan collects more than ``upper_bound``; null means that no plan keeps all rules. A target is
-    worth its prize, and ``required_worth`` more if it is required. ``multipliers`` are those of
-    "each target at most once" and "each station ``max_refuellings`` times at most", 0 where none is
-    given; all prizes are multiples of ``prize_step``, null for none. ``walks`` has every chaser
-    once, or nothing where the prizes alone are the proof, or the ``floors``: prices of time and of
-    ΔV. ``delta_v_slot_m_s`` is the slot of ΔV of the method's completion bounds: the claim does not
-    depend on it, but the time to verify it does. If ``time_step_s`` is given, time was counted in
-    such steps, so coarse that no walk has to be followed by itself. ``cuts`` are further
-    constraints that walks pay for; the routes of a plan pay each of them at most once. ``cost`` is
-    the proof on the ΔV of plans that collect enough, null if there is none. ``model`` is the
-    version of docs/model.md by which connections are computed. ``plan_sha256`` is that of the plan
-    file that was written beside it.
+    Attributes
+    ----------
+    model : int
+        Version of docs/model.md by which connections are computed.
+    instance : InstanceReference
+    plan_sha256 : str or None
+        SHA-256 of the plan file that was written beside it.
+    method : str
+    upper_bound : float or None
+        No plan collects more; None: no plan keeps all rules.
+    required_worth : float
+        Worth of a required target beyond its prize.
+    prize_step : float or None
+        All prizes are multiples of it.
+    delta_v_slot_m_s : float
+        Slot of ΔV of completion bounds. The claim does not depend on it, but the time to verify it
+        does [m/s].
+    time_step_s : float or None
+        Step of time of walks that are counted and not followed one by one [s].
+    multipliers : dict of str to float
+        Of "each target at most once" and "each station at most ``max_refuellings`` times", by name;
+        0 for those not in it.
+    walks : tuple of ProvenWalks
+        Each chaser once; empty where the prizes alone or the ``floors`` are the proof.
+    floors : ProvenFloors or None
+        Prices of time and of ΔV.
+    cuts : tuple of ProvenCut
+        Further constraints that walks pay for; the routes of a plan pay each at most once.
+    cost : ProvenCost or None
+        Proof of the least ΔV of plans that collect enough.
     """
 
     format: Literal["adr-opt-certificate/1"] = FORMAT

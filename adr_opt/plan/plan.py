@@ -308,14 +308,42 @@ Course = Annotated[tuple[CoursePoint, ...], Field(strict=False), AfterValidator(
 
 
 class Plan(Shown, Record):
-    """A mission plan with its quality certificate.
+    """A mission plan with its bounds.
 
-    ``status`` is that of ``objective``, the prize: no plan exceeds ``upper_bound``. ``cost_status``
-    is that of ``cost`` at this prize: no plan that collects as much costs less than ``cost_bound``;
-    the three are null if not proven. ``model`` is the version of docs/model.md by which costs are
-    computed. ``expected`` is the mean prize of following the plan, if it was chosen for that
-    instead of the objective. ``flown`` is the outcome of its flight, if it was flown. ``course`` is
-    that of the run, if its method reported any. These are left out of files otherwise.
+    Attributes
+    ----------
+    model : int
+        Version of docs/model.md by which costs are computed.
+    instance : InstanceReference
+    method : str
+    seed : int
+    status : {"optimal", "feasible", "infeasible", "unknown"}
+        Of ``objective``: "optimal" if no plan collects more.
+    objective : float
+        Sum of the prizes of the visited targets.
+    upper_bound, gap : float or None
+        Proven: no plan collects more; and (bound − objective) / bound. None if not proven.
+    cost : float
+        By the objective of the instance: [m/s], [s], or the unit of expenses.
+    cost_bound, cost_gap : float or None
+        Proven: no plan that collects as much costs less; and (cost − bound) / cost.
+    cost_status : str or None
+        As ``status``, of the cost; None if not proven.
+    runtime_s : float
+        Of the method [s].
+    versions : dict of str to str
+        Versions of packages.
+    notes : tuple of str
+    routes : tuple of Route
+        Legs of each chaser.
+    unvisited : tuple of Unvisited
+        Targets left out, each with its reason.
+    expected : ExpectedPrize or None
+        Mean prize of following the plan, if it was chosen for that.
+    flown : PlanFlight or None
+        Outcome of its flight, if it was flown.
+    course : Course or None
+        Best plan and bound over the time of the run, if its method reported any.
     """
 
     format: Literal["adr-opt-plan/2"] = FORMAT

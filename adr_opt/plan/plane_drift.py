@@ -35,14 +35,14 @@ def node_rates(instance: Instance) -> npt.NDArray[np.float64]:
 def drift_warning(instance: Instance, plan: Plan | None = None) -> str | None:
     """A sentence about the drift of the nodes, or None if it is negligible.
 
-    Nor is it where the model knows about it, under J2, or where costs are given.
+    None also under J2, where the model includes it, and where costs are given.
 
     Parameters
     ----------
     instance : Instance
-        Without a plan all pairs of its bodies are looked at, over the whole mission.
+        Without a plan all pairs of its bodies are examined, over the whole mission.
     plan : Plan, optional
-        The origin and the destination of each leg are looked at, from the epoch to the departure.
+        The origin and the destination of each leg are examined, from the epoch to the departure.
         Its destinations must be bodies of the instance.
     """
     if instance.dynamics == "j2" or instance.transfer.given is not None:

@@ -340,10 +340,32 @@ class Missing(Record):
 class RefinedPlan(Shown, Record):
     """A plan in true dynamics: burns that meet every stand-off, with states at every event.
 
-    ``status`` is ``incomplete`` if legs are missing; the others hold all the same, because each
-    begins docked with its origin. ``planned`` is the plan itself, by which the file is judged;
-    files of version 1.0 are without it. ``ephemerides`` are the instance's if legs begin and end at
-    their states; otherwise the field is left out, and bodies move freely from ``bodies``.
+    Attributes
+    ----------
+    instance : InstanceReference
+    plan : PlanReference
+        The plan that was refined.
+    planned : Plan or None
+        That plan itself, by which the file is judged; None in files of version 1.0.
+    ephemerides : EphemeridesReference or None
+        Those of the instance, if legs begin and end at their states; otherwise bodies move freely
+        from ``bodies``.
+    gravity : {"two-body", "j2", "j3", "j4"}
+        Highest zonal harmonic of the field.
+    freedom : {"free", "planned"}
+        Burns of least ΔV, or those of the plan.
+    status : {"complete", "incomplete"}
+        "incomplete" if legs are missing. Each of the others begins docked with its origin, so they
+        remain valid.
+    runtime_s : float
+        [s].
+    versions : dict of str to str
+    notes : tuple of str
+    bodies : tuple of BodyState
+        Osculating states at the epoch [m, m/s].
+    legs : tuple of RefinedLeg
+    missing : tuple of Missing
+        Legs that were not refined, with the reason.
     """
 
     format: Literal["adr-opt-refined/1"] = FORMAT

@@ -127,12 +127,21 @@ Removal = Literal["visit", "kit", "tow"]
 
 
 class Station(Record):
-    """A refuelling station, where chasers may start; without an orbit if connections are given.
+    """A refuelling station, where chasers may start.
 
-    It fills at most ``max_refuellings`` tanks of all chasers together, and gives out at most
-    ``max_propellant_kg`` for that; null for no limit. Neither field is in files that do not state
-    it, nor is ``object_id``, as of a target. Chasers refuel on every arrival, also at the end
-    of its route.
+    Every arrival of a chaser refuels it, also at the end of its route.
+
+    Attributes
+    ----------
+    name : str
+    orbit : Orbit or None
+        None only where connections are given.
+    max_refuellings : int or None
+        Maximum number of refuellings, of all chasers together.
+    max_propellant_kg : float or None
+        Propellant that it gives out at most, to all chasers together [kg].
+    object_id : str or None
+        International designator, for exports.
     """
 
     name: Name
@@ -154,20 +163,41 @@ class Station(Record):
 class Target(Record):
     """A debris object that may be visited, and the prize for servicing it.
 
-    Its service begins not before ``window_s`` opens and ends before it closes; with ``windows_s``,
-    several of these, the first ``capture_s`` of it lie within one, all of it by default, and the
-    rest where it will. ``required``: a plan
-    has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without;
-    "tow": it carries the object, which has ``mass_kg``, to its ``disposal``, by default the
-    mission's, and goes on from there. It may have no orbit where connections are given.
-    ``object_id`` is its international designator, for exports. ``decay_m_per_day``: by what its
-    semi-major axis shrinks, which makes its phase quadratic in time. ``fit``: further numbers of a
-    fit of its orbit to an ephemeris. ``prize_until``: times and falling prizes, each of a service
-    that ends by its time, with the tow if there is one; ``prize`` is what is left after the last.
-    ``success``: the chance that a capture succeeds, for rehearsals and plans with a confidence.
-    ``area_to_mass_m2_kg``: what drag acts on, for the lifetime of an object that is released. None
-    of these nine is in files that do not state it. A kit with a ``disposal`` brings the object
-    there after the chaser has left.
+    Attributes
+    ----------
+    name : str
+    orbit : Orbit or None
+        None only where connections are given.
+    prize : float
+    required : bool
+        Whether every plan must service it.
+    window_s : (float, float or None)
+        Earliest beginning and latest end of the service; None for no end [s].
+    windows_s : tuple of (float, float or None), or None
+        Several windows, in place of that [s].
+    capture_s : float or None
+        Time from the beginning of the service that must lie within one window; None for all of the
+        service [s].
+    mass_kg : float or None
+        [kg]; required for a tow.
+    removal : {"visit", "kit", "tow"}
+        "kit": the chaser leaves a kit with the object and goes on. "tow": it carries the object to
+        its disposal orbit and goes on from there.
+    object_id : str or None
+        International designator, for exports.
+    decay_m_per_day : float or None
+        Daily decrease of the semi-major axis, which makes the phase quadratic in time [m/day].
+    fit : Fit or None
+        Further numbers of a fit of the orbit to an ephemeris.
+    prize_until : tuple of (float, float), or None
+        Times [s] and falling prizes, each of a service that ends by its time, with the tow if there
+        is one; ``prize`` is left after the last.
+    success : float or None
+        Chance that a capture succeeds, for rehearsals and plans with a confidence.
+    disposal : DisposalCircle, DisposalPerigee or None
+        Where it is towed, in place of the mission's; with a kit, where that brings it afterwards.
+    area_to_mass_m2_kg : float or None
+        Area over mass, for the lifetime of the released object [m²/kg].
     """
 
     name: Name

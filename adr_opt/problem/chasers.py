@@ -69,8 +69,15 @@ class InOrbit(Record):
 class InsertionOrbit(Record):
     """A circle that a launcher reaches at any time, in the plane of any node.
 
-    ``launcher`` says what it lifts there: altitudes [m], ascending, and masses of a chaser with
-    propellant and kits [kg], linear between; in no file that does not state it.
+    Attributes
+    ----------
+    altitude_m : float
+        [m].
+    inclination_deg : float
+        [deg].
+    launcher : tuple of (float, float) or None
+        Altitudes [m], ascending, and the mass that is lifted to each, with propellant and kits
+        [kg]; linear between them. None for no limit.
     """
 
     altitude_m: Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
@@ -179,9 +186,14 @@ class _OfTwoKinds(Record):
 
 
 class Tank(_OfTwoKinds):
-    """ΔV of a full tank: at the start, and after refuelling.
+    """A tank counted in ΔV, full after refuelling.
 
-    ``initial_delta_v_m_s`` is what is left of it at the start, where it is not full then.
+    Attributes
+    ----------
+    delta_v_m_s : float
+        ΔV of the full tank [m/s].
+    initial_delta_v_m_s : float or None
+        ΔV at the start, if the tank is not full then [m/s].
     """
 
     delta_v_m_s: Annotated[float, Field(ge=0.0, le=LARGEST_DELTA_V_M_S)]
@@ -232,9 +244,18 @@ def _without(content: dict[str, Any], field: str) -> dict[str, Any]:
 
 
 class TankByMass(_OfTwoKinds):
-    """A propellant tank of a chaser with a known mass without propellant and cargo.
+    """A tank counted in propellant, full after refuelling.
 
-    ``initial_propellant_kg`` is what is left at the start, where it is not full then.
+    Attributes
+    ----------
+    dry_mass_kg : float
+        Mass of the chaser without propellant and kits [kg].
+    propellant_kg : float
+        Propellant of the full tank [kg].
+    isp_s : float
+        Specific impulse [s].
+    initial_propellant_kg : float or None
+        Propellant at the start, if the tank is not full then [kg].
     """
 
     dry_mass_kg: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_KG)]
@@ -349,15 +370,32 @@ NO_EXPENSE = Expense()
 class Chaser(Record):
     """A spacecraft that visits targets.
 
-    It takes along as many kits as its route leaves behind, ``kits`` at most; null for no limit.
-    Before it refuels for the first time, and between two refuellings, it visits at most
-    ``max_visits_between_refuels`` targets; the field is in no file that does not state it.
-    Of its tank it keeps ``end_of_life_m_s`` for its own disposal at all times; the field is in no
-    file that does not state it.
-    ``expense`` counts where the objective says so; the field is in no file that does not state it.
-    With ``thrust_n`` all its transfers are of low thrust (docs/model.md
-    section 11), which is on for the share ``duty_cycle`` of the time at most; they stand in files
-    where they are stated, too.
+    Attributes
+    ----------
+    name : str
+    start : AtStation, InOrbit, LaunchedInto or "anywhere"
+        "anywhere": launched onto its first target, at no cost.
+    available_s : (float, float or None)
+        Window in which it may fly; None for no end [s].
+    end : AtStation or "anywhere"
+        Where its route must end.
+    max_targets : int or None
+        Maximum number of targets.
+    max_visits_between_refuels : int or None
+        Maximum number of targets before the first refuelling, and between two.
+    tank : Tank or TankByMass
+    end_of_life_m_s : float or None
+        ΔV kept for its own disposal at all times [m/s].
+    kits : int or None
+        Maximum number of kits aboard; it carries as many as its route leaves behind.
+    kit_mass_kg : float
+        Mass of a kit [kg].
+    expense : Expense or None
+        Cost of using it, where the objective counts expenses.
+    thrust_n : float or None
+        Low thrust for all its transfers (docs/model.md section 11); None for impulses [N].
+    duty_cycle : float or None
+        Largest share of the time in which that thrust is on; None for 1.
     """
 
     name: Name

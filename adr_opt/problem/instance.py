@@ -50,6 +50,7 @@ from .settings import TIME_VALUE_M_S_PER_H, GivenFile, check_time_value, hurry_o
 class Instance(Shown, InstanceFile):
     """A mission to plan.
 
+    Its fields are those of :class:`.instance_file.InstanceFile`; docs/files.md has their ranges.
     Bodies are numbered: the stations in order, then the chasers' own start orbits, then the targets
     in order.
     """
@@ -137,8 +138,8 @@ class Instance(Shown, InstanceFile):
         ----------
         given : Given
         file : str, optional
-            What the file is called that :meth:`save` writes them to, beside that of the instance;
-            by default as the instance says, or "connections.parquet"; none where all is functions.
+            Name of the file to which :meth:`save` writes them, beside that of the instance; by
+            default as the instance says, or "connections.parquet"; none where all is functions.
         functions_file : str, optional
             The same of its functions of time; by default as the instance says, or
             "functions.json".
@@ -204,7 +205,7 @@ class Instance(Shown, InstanceFile):
         windows : FileWindows or mapping of str to (intervals, 2) float64
             By target [s]; one that is not named may never be captured.
         file : str
-            What the file is called that :meth:`save` writes them to, beside that of the instance.
+            Name of the file to which :meth:`save` writes them, beside that of the instance.
         capture_s : float, optional
             Of every target; by default its own [s].
 
@@ -467,7 +468,7 @@ class Instance(Shown, InstanceFile):
     def is_approximate(self) -> bool:
         """Whether any orbit is eccentric, so that the model is an approximation.
 
-        Given connections are what they are.
+        Given connections are exact.
         """
         if self.transfer.given is not None:
             return False
@@ -622,12 +623,17 @@ AnyInstance = Instance | str | os.PathLike[str] | Mapping[str, Any]
 
 
 def instance_of(given: AnyInstance) -> Instance:
-    """The instance that a caller passes, as an object, a path or a file's content.
+    """Load an instance.
+
+    Parameters
+    ----------
+    given : Instance, path or dict
+        The path of an instance file, or its content; an instance is returned as it is.
 
     Raises
     ------
     InputError
-        It is none of these, or as for :meth:`Instance.load`.
+        ``given`` is none of these, or as for :meth:`Instance.load`.
     """
     if isinstance(given, Instance):
         return given

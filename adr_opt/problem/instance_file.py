@@ -47,10 +47,27 @@ from .transfer_sizes import default_step_s
 class InstanceFile(Record):
     """The fields of an instance; :class:`adr_opt.Instance` is the plannable object.
 
-    ``frame``: the inertial frame that orbits and burns are in. Null means unknown,
-    and is not written to files. ``ephemerides``: files with the true states of bodies, from which
-    orbits were fitted; not written either if there are none. ``windows``: a file with the windows
-    of all targets, each as ``windows_s``; nor is that.
+    Attributes
+    ----------
+    name : str
+    epoch : datetime
+        t = 0 of all times in seconds.
+    frame : Frame or None
+        Inertial frame of orbits and burns; None if unknown.
+    dynamics : {"two-body", "j2"}
+    stations : tuple of Station
+    targets : tuple of Target
+    chasers : tuple of Chaser
+        At least one.
+    mission : MissionSettings
+    transfer : TransferSettings
+    objective : Objective
+        Cost that ranks plans of equal prize.
+    keep_out_zones : tuple of KeepOutZone
+    ephemerides : EphemeridesFile or None
+        Files with the true states of bodies, to which orbits were fitted.
+    windows : WindowFile or None
+        File with the windows of all targets, in place of their own.
     """
 
     format: Literal["adr-opt-instance/3"] = format_2.FORMAT

@@ -34,7 +34,17 @@ class Fit(Record):
 
 
 class Orbit(Record):
-    """Keplerian elements in the inertial frame at the epoch of the instance."""
+    """Keplerian elements in the inertial frame at the epoch of the instance.
+
+    Attributes
+    ----------
+    semi_major_axis_m : float
+        [m]; the perigee is above the ground.
+    eccentricity : float
+        Less than 1.
+    inclination_deg, raan_deg, argument_of_perigee_deg, true_anomaly_deg : float
+        [deg]; on a circle the last two add up to the argument of latitude.
+    """
 
     semi_major_axis_m: Length
     eccentricity: Annotated[float, Field(ge=0.0, lt=1.0)]

@@ -94,15 +94,26 @@ LARGEST_MASS_CLASS = 1e6
 class MissionSettings(Record):
     """Duration of the mission, and time spent at bodies.
 
-    Either ``service_revolutions``, in periods of the target, or ``service_s``; the other is None
-    and not in the file. Nor is ``disposal``, the orbit that objects are towed to but for those that
-    name their own, where it is None. With ``launch_separation_s``, 0 included, chasers are launched
-    in the order of the file, each not less than that after the one before it; with None, which is
-    not in the file either, each by itself.
-    With ``mission_separation_s`` each launch has a time of the plan's choice instead, in any order,
-    and follows the last service of every chaser launched before it by no less than that.
-    Released objects stay in orbit for ``max_lifetime_years`` at most, and those of more than
-    ``max_uncontrolled_kg`` re-enter under control; no limit, and no such field, where it is None.
+    Attributes
+    ----------
+    duration_s : float
+        Latest end of all stays [s].
+    service_revolutions, service_s : float or None
+        Time at a target, in periods of its orbit or in seconds; exactly one of the two is set.
+    refuel_revolutions : float
+        Time at a station, in periods of its orbit.
+    disposal : DisposalCircle, DisposalPerigee or None
+        Orbit to which objects are towed that name none of their own.
+    launch_separation_s : float or None
+        Least time between launches, which then follow the order of the file, with 0 as well; None
+        for launches that do not depend on each other [s].
+    mission_separation_s : float or None
+        Least time from the last service of any chaser launched before to the next launch, whose
+        time is then the plan's choice, in any order of the chasers [s].
+    max_lifetime_years : float or None
+        Longest time that released objects stay in orbit [years].
+    max_uncontrolled_kg : float or None
+        Mass above which released objects re-enter under control [kg].
     """
 
     duration_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)]
@@ -158,9 +169,22 @@ OF_THE_ELLIPSE = ("keep_out_m", "approach_revolutions", "inspection_revolutions"
 class SequenceSettings(Record):
     """Parameters of the co-elliptic sequence and of the approach (docs/model.md section 2).
 
-    The ``approach`` "half-lap" ends in the target. "safety-ellipse" passes round it, whichever burn
-    is missed no nearer than ``keep_out_m``, after a drift of ``approach_revolutions``, with
-    ``inspection_revolutions`` on the ellipse. Neither is in files that do not state it.
+    Attributes
+    ----------
+    first_leg_fraction : float
+        Share of the way from the phasing to the target radius that the co-elliptic orbit closes.
+    standoff_m : float
+        Distance behind the target at which the approach begins [m].
+    max_phasing_revolutions : int
+    min_altitude_m, max_altitude_m : float
+        Limits of the phasing radius, as altitudes [m].
+    approach : {"half-lap", "safety-ellipse"}
+        "half-lap" ends in the target. "safety-ellipse" passes round it, whichever burn is missed no
+        nearer than ``keep_out_m``.
+    keep_out_m : float
+        [m].
+    approach_revolutions, inspection_revolutions : int
+        Revolutions of the drift to the target, and on the ellipse around it.
     """
 
     first_leg_fraction: Annotated[float, Field(ge=0.0, le=1.0)] = 0.75
@@ -199,11 +223,18 @@ Digest = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
 class GivenFile(Record):
-    """Reference to files of given costs beside the instance, and their digests.
+    """Files of given costs beside the instance, and their digests.
 
-    ``file`` has connections, ``functions`` what is a function of time; one of them may be absent.
-    ``sha256`` is :attr:`.given.Given.sha256`, ``functions_sha256`` is
-    :attr:`.given_functions.Functions.sha256`; None for whatever the file holds.
+    Attributes
+    ----------
+    file : str or None
+        File of connections, ``.parquet`` or ``.nc``.
+    sha256 : str or None
+        :attr:`.given.Given.sha256`; None for whatever the file holds.
+    functions : str or None
+        File of functions of time, ``.json``; it may stand beside ``file`` or alone.
+    functions_sha256 : str or None
+        :attr:`.given_functions.Functions.sha256`; None for whatever the file holds.
     """
 
     file: Annotated[Name, Field(pattern=r"^[^/\\\x00]+\.(parquet|nc)$")] | None = None
@@ -231,16 +262,28 @@ class GivenFile(Record):
 class TransferSettings(SequenceSettings):
     """Parameters of the transfers (docs/model.md sections 2 to 4).
 
-    Beside those of the co-elliptic sequence: a connection that another one dominates up to
-    ``delta_v_resolution_m_s`` is left out, and departures of a pair lie no closer than
-    ``departure_spacing_s``. Then come the grid of transfers that drift and the longest time that
-    one may take, 0 for none. A short leg costs what its ``burns`` take: those of the "sequence",
-    or "free" ones, which refinement finds (docs/model.md section 2.7); the default is not in files.
-    Classes of the mass of chasers with low thrust are no wider than a
-    share ``mass_class`` (:data:`.drives.CLASS_WIDTH` if None, and then not in the file). From the
-    arrival at one body to that at the next no more than ``max_leg_s`` may pass, waiting and service
-    included; it is not in the file if None. Where connections are ``given``, they are those; the
-    field is not in files of other instances.
+    Attributes
+    ----------
+    first_leg_fraction … inspection_revolutions
+        As in :class:`SequenceSettings`.
+    delta_v_resolution_m_s : float
+        A connection that saves no more than this against another one is left out [m/s].
+    departure_spacing_s : float
+        Least spacing of the short departures of a pair [s].
+    drift_step_s : float
+        Grid of times of transfers that drift [s].
+    max_drift_s : float
+        Longest time that one of these may take; 0 for none [s].
+    mass_class : float or None
+        Largest width, as a share, of classes of the mass of chasers with low thrust;
+        :data:`.drives.CLASS_WIDTH` if None.
+    max_leg_s : float or None
+        Longest time from an arrival to the next, waiting and service included [s].
+    burns : {"sequence", "free"}
+        Burns by which legs are priced: those of the sequence, or those that refinement finds
+        (docs/model.md section 2.7).
+    given : GivenFile or None
+        Files of connections in place of these.
     """
 
     delta_v_resolution_m_s: NonNegative = 0.1
@@ -267,13 +310,16 @@ class TransferSettings(SequenceSettings):
 
 
 class Objective(Record):
-    """Tie-breaker between plans that collect equal prizes: the least cost of this kind.
+    """Tie-breaker between plans that collect equal prizes: the least cost.
 
-    ``delta-v`` is the sum over all legs and tows [m/s], ``duration`` the end of the last service,
-    or tow [s], ``expense`` the sum of what the chasers that are used take
-    (:class:`.chasers.Expense`). To ``delta-v`` the days of each chaser that is used are added at
-    ``time_m_s_per_day``, which is not in the file where it is None
-    (:attr:`.instance_file.InstanceFile.time_m_s_per_s` is what holds then).
+    Attributes
+    ----------
+    cost : {"delta-v", "duration", "expense"}
+        ΔV of all legs and tows, with the price of time [m/s]; end of the last service or tow [s];
+        or sum of the expenses of the chasers that are used (:class:`.chasers.Expense`).
+    time_m_s_per_day : float or None
+        Price of each day of a chaser that is used, for the first [m/s per day]; None for
+        :attr:`.instance_file.InstanceFile.time_m_s_per_s`.
     """
 
     cost: Literal["delta-v", "duration", "expense"] = "delta-v"
@@ -305,9 +351,14 @@ class Objective(Record):
 
 
 class KeepOutZone(Record):
-    """A closed altitude band that is forbidden during a closed time window.
+    """An altitude band that is closed during a time window (docs/model.md section 6).
 
-    See docs/model.md section 6.
+    Attributes
+    ----------
+    min_altitude_m, max_altitude_m : float
+        [m].
+    start_s, end_s : float
+        [s].
     """
 
     min_altitude_m: NonNegative

@@ -99,8 +99,8 @@ def solve(  # noqa: PLR0913
         Name of an installed planner.
     time_limit : float
         Wall time, the timetable included, ``math.inf`` for no limit [s]. Quick planners end by
-        themselves. Where it is short of the timetable, that of the nearest pairs is planned on, and
-        a note says so; see :mod:`.table_budget`. Time spent compiling does not count.
+        themselves. Where it is too short for the timetable, planning uses that of the nearest
+        pairs, and a note says so; see :mod:`.table_budget`. Time spent compiling does not count.
     seed : int
     stop : Stop, optional
         A further criterion; planning ends at whichever comes first.
@@ -222,9 +222,9 @@ def run(
     progress : callable
         Called with incumbent and bound whenever one improves.
     building : callable
-        Told of the share of the timetable that is built.
+        Called with the share of the timetable that is built.
     sizing : callable
-        Told of the size of a large timetable before it is built.
+        Called with the size of a large timetable before it is built.
 
     Returns
     -------

@@ -62,7 +62,7 @@ class MethodSpec:
     bounds_all_pairs : bool
         Whether its bounds hold of all pairs of bodies, whatever the timetable has.
     on_demand : bool
-        Whether it looks up what is chosen of few pairs, and needs no table of them all.
+        Whether it looks up chosen connections of few pairs only, and needs no table of all pairs.
     orders_all : bool
         Whether it needs no timetable where all targets are put in order
         (:attr:`adr_opt.mission.problem.Problem.asks_for_least_end`).
@@ -72,7 +72,7 @@ class MethodSpec:
     quick : str
         ``module:function`` that gives the method's routes of a problem in no time, or none.
     table_options : tuple of str
-        Options that, once set, make it need that table all the same.
+        Options that make it need that table if they are set.
     practice : Practice
     """
 

@@ -80,8 +80,8 @@ def spec(name: str, group: str = PLANNERS) -> MethodSpec:
     Raises
     ------
     InputError
-        There is none of that name; the sentence lists those there are, or says that it went. Or
-        what is installed under it cannot be called as planners are.
+        There is none of that name, and the sentence lists those there are or says that it was
+        removed; or what is installed under it cannot be called as planners are.
     """
     found = _found(group)
     if name not in found:

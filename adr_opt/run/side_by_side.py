@@ -34,7 +34,7 @@ class Meeting:
         Asked with the pair whenever one of the two asks, never by both at once. Once it says
         enough, it is enough for both.
     progress : Progress
-        Told of the pair whenever it improves.
+        Called with the pair whenever it improves.
     """
 
     def __init__(self, stop: Stop, progress: Progress) -> None:

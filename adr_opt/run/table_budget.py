@@ -225,7 +225,7 @@ def candidates(
     interrupted : callable
         Whether the user has interrupted.
     building : callable
-        Told of the share of the timetable that is built.
+        Called with the share of the timetable that is built.
     table_bytes : float
         Memory that it may take.
     hasty : bool

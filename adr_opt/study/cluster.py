@@ -126,7 +126,7 @@ class Cluster(Executor):
         return InputError(f"--cluster {self._address}: {why}")
 
 
-class Elsewhere:
+class ClusterWorkers:
     """Rows made by the workers of a Dask cluster.
 
     Parameters

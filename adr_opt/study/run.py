@@ -162,9 +162,9 @@ class Run(Generic[K, V]):
         if self._workers is None:
             row, jobs = self._study.row, self._jobs or usable_cores()
             if self._cluster is not None:
-                from .cluster import Elsewhere
+                from .cluster import ClusterWorkers
 
-                self._workers = Elsewhere(row, self._cluster)
+                self._workers = ClusterWorkers(row, self._cluster)
             elif jobs > 1 or self._study.apart:
                 from .processes import Processes
 

@@ -85,7 +85,7 @@ def validate_planner(
         Names of :data:`CASES`. By default all, but those of several chasers, of rows that are
         worked out on demand and of start plans for planners that do not know them.
     plans : bool
-        Whether plans are what it is asked for; False for a bound.
+        Whether it returns plans; False for a bound.
     seed : int
     time_limit : float
         Of each case that is no practice [s].

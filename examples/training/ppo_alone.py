@@ -12,7 +12,7 @@ import torch
 from torch.distributions import Categorical
 
 import adr_opt.learning.environment  # noqa: F401  registers the environment
-from adr_opt.learning.held import HeldFields
+from adr_opt.learning.held_out import HeldFields
 from adr_opt.learning.training.network import SetNetwork
 
 COUNT, LENGTH, BATCH, EPOCHS = 256, 64, 1024, 2

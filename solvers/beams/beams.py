@@ -12,7 +12,7 @@ States are ordered by a weighted sum, smaller first:
 
     time_weight · end − delta_v_weight · ΔV left − prizes collected
 
-or, where latest times are known (:mod:`solvers.walks.completion_times`), by the mean of that and of
+or, where latest times are known (:mod:`solvers.walks.latest_times`), by the mean of that and of
 the worth of the time by which they are later than they may be if the goal is to be reached.
 """
 
@@ -31,8 +31,7 @@ from adr_opt.kernels.tables.timetable import asks
 from adr_opt.mission.mission import Mission
 
 from ..progress.halting import halted_by
-from ..walks.completion_times import no_latest
-from ..walks.latest_times import Latest
+from ..walks.latest_times import Latest, no_latest
 from . import levels
 from .exchange_rates import worth_of
 from .levels import BeamContext, LevelScratch, Weights

@@ -17,6 +17,7 @@ import numpy as np
 from adr_opt.common.tolerance import ROUNDED
 from adr_opt.kernels.rules.resources import kits_alone
 from adr_opt.mission.evidence import Cut
+from adr_opt.mission.problem import Problem
 
 from ..walks.walks import WalkBound
 from .extension import (
@@ -356,3 +357,25 @@ def _in_words(masks: np.ndarray, bodies: int, words: int) -> np.ndarray:
     kept = words_for(bodies)
     found[:, :kept] = masks[:, :kept]
     return found
+
+
+SLOT_M_S, MOST_LABELS = 20.0, 10_000
+"""Of the walks that are practised."""
+
+
+def practise(problem: Problem) -> None:
+    """Search walks that pay for a subset-row cut, or for none: short runs may not reach that code.
+
+    Problems without a timetable, or with functions of time, have no such walks.
+    """
+    mission = problem.missions[0]
+    if not mission.has_timetable or mission.has_functions:
+        return
+    first = problem.instance.first_target
+    rows = tuple(range(first, first + 3))
+    for cuts in ([], [Cut(rows, frozenset(rows), 0.5)]):
+        search = LabelSearch(WalkBound(mission, SLOT_M_S))
+        search.cut(cuts)
+        search.use(np.zeros(len(mission.names)))
+        search.search(search.total, MOST_LABELS, lambda: False)
+        search.plans(2)

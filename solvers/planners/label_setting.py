@@ -27,9 +27,9 @@ from ..beams.timely_beams import Beams, pilots
 from ..beams.varied_beams import varied
 from ..progress.gap import GapTracker
 from ..progress.proof_size import proof_notes
+from ..proof.cheapest import cheapest
 from ..proof.proof import ProofOptions, prove, prove_cost
 from ..walks.latest_times import Latest
-from .cheapest import cheapest
 from .options import ExactOptions
 
 WIDTH = 2000

@@ -3,7 +3,7 @@
 Where arrivals are all that matters, that is the route engine (:mod:`..routes.route_engine`). Where
 planes drift or costs are given, strings of targets are taken out of the order and put back in
 (:mod:`..orders.string_removal`). Everywhere else, and in turn with strings, a beginning of the best
-plan is kept and a new end is built for it by a narrow noisy beam (:mod:`..beams.recreate`).
+plan is kept and a new end is built for it by a narrow noisy beam (:mod:`..beams.varied_beams`).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from adr_opt.mission.problem import problem_of
 from adr_opt.mission.result import Result
 
 from ..beams.greedy_order import guarded_sequence
-from ..beams.recreate import recreate
+from ..beams.varied_beams import recreate
 from ..orders.string_removal import Strings, strings_of
 from ..progress.incumbent import Incumbent
 from ..routes.route_engine import RouteEngine

@@ -20,6 +20,7 @@ from ..columns.proof import ColumnProof
 from ..progress.gap import GapTracker
 from ..progress.halting import ShareOfTime
 from ..progress.proof_size import fits_memory, proof_notes, set_up_s, sweep_s
+from ..proof.cheapest import cheapest
 from ..proof.concurrent_proof import LEAST_PROOF_S, LEAST_SET_UPS, ConcurrentProof
 from ..proof.proof import ProofOptions
 from ..routes.engine_rounds import EngineRounds
@@ -28,7 +29,6 @@ from ..routes.route_pool import RoutePool
 from ..routes.route_search import RouteSearch
 from ..routes.target_exchange import Exchanges
 from ..walks.floors import floor_evidence
-from .cheapest import cheapest
 from .options import AutoOptions, ExactOptions, Goals
 from .rounds import Task, run
 

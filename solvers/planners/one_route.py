@@ -16,9 +16,8 @@ from adr_opt.mission.result import Result
 
 from ..beams.beams import usual_settings, with_time_value
 from ..beams.greedy_order import guarded_sequence
-from ..beams.recreate import recreate
 from ..beams.timely_beams import Beams, first_width, pilots
-from ..beams.varied_beams import varied
+from ..beams.varied_beams import recreate, varied
 from ..orders.string_removal import Strings, strings_of
 from ..progress.gap import GapTracker
 from ..progress.incumbent import Incumbent

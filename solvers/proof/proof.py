@@ -30,9 +30,8 @@ from ..networks.evidence import evidence_of
 from ..progress.cost_rounds import settled
 from ..progress.gap import GapTracker
 from ..progress.proof_size import fits_memory, proof_notes, set_up_s
-from ..walks.completion_times import latest_of
 from ..walks.floors import floor_evidence
-from ..walks.latest_times import Latest
+from ..walks.latest_times import Latest, latest_of
 from ..walks.multipliers import Descent
 from ..walks.walks import WalkBound
 from .cost import CostProof

@@ -19,6 +19,7 @@ from two_chasers import campaign
 
 import adr_opt
 from adr_opt.analysis import Axis, parse_axis, tradeoff
+from adr_opt.analysis.trade import run
 from adr_opt.analysis.trade.axes import PointLimits, Tanks, grid
 from adr_opt.analysis.trade.plans import plans_of
 from adr_opt.analysis.trade.points import Impossible, KnownPoints, Point
@@ -257,6 +258,7 @@ def test_points_are_all_pairs() -> None:
         (("--vary", "delta-v=5", "--vary", "propellant=6"), "each states the content of a tank"),
         (("--vary", "propellant=5"), "is given in ΔV, without masses"),
         (("--vary", "delta-v=5", "--method", "no"), "'no'"),
+        (("--vary", "kits=1", "--start", "p.json"), "--start: designs have none"),
         (("--vary", "delta-v=5", "--time-limit", "0"), "time limit = 0"),
         (("--vary", "delta-v=5", "--jobs", "-1"), "jobs = -1"),
         (("--vary", "delta-v=5", "--page", "x.txt"), "ends in .html"),
@@ -331,6 +333,32 @@ def test_points_stand_alone_where_planes_drift_and_masses_count() -> None:
     assert not board.counts(points[0], points[1])
     assert board.counts(points[1], points[2])
     assert KnownPoints(points, slack_m_s(towed())).counts(points[0], points[1])
+
+
+def test_plans_that_are_there_are_points(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The limits of the instance are a point no worse than its plans; illegal ones are refused."""
+    monkeypatch.setattr(run, "QUICK", "greedy")
+    instance = hand_made()
+    best = adr_opt.solve(instance, "exact", time_limit=60.0).plan
+    assert best is not None
+    own = instance.chaser.tank.delta_v_m_s
+    axes = [Axis("delta-v", (own - 200.0, own + 50.0))]
+    asked = {"method": "greedy", "time_limit": 60.0}
+    alone = tradeoff(instance, axes, **asked)
+    made = tradeoff(instance, axes, starts=[best], **asked)
+    assert [point.delta_v_m_s for point in made.points] == [own - 200.0, own, own + 50.0]
+    assert alone.points[-1].prize < best.objective <= made.points[1].prize == made.points[-1].prize
+    assert made.points[1].routes == tuple(best.orders.values())
+    assert made.points[1].cost <= best.cost + 1e-6
+    instance.save("i.json")
+    best.save("p.json")
+    call = ("tradeoff", "i.json", "--vary", f"delta-v={own - 200.0}", "--method", "greedy")
+    told = json.loads(cli(*call, "--start", "p.json", "--json").out)
+    assert [point["prize"] for point in told["points"]] == [
+        point.prize for point in made.points[:2]
+    ]
+    best.replace(objective=best.objective + 1.0).save("p.json")
+    refused(cli(*call, "--start", "p.json"), "p.json: the plan is not legal")
 
 
 def test_the_verb_writes_what_it_tells(cli: Cli) -> None:

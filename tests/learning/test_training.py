@@ -36,7 +36,7 @@ from adr_opt.learning import SetPolicy, evaluate, load_policy, write_policy  # n
 from adr_opt.learning.environment import fields  # noqa: E402
 from adr_opt.learning.environment.vector import MissionVecEnv  # noqa: E402
 from adr_opt.learning.evaluation import APART, UNCERTAIN, digest, splits  # noqa: E402
-from adr_opt.learning.held import FAMILIES, HELD_FIELDS, HELD_SEED, HeldFields, chaser_by_chaser  # noqa: E402
+from adr_opt.learning.held_out import FAMILIES, HELD_FIELDS, HELD_SEED, HeldFields, chaser_by_chaser  # noqa: E402
 from adr_opt.learning.training import configs, imitation, trainer  # noqa: E402
 from adr_opt.learning.training.checkpoints import read_checkpoint, read_state, write_checkpoint  # noqa: E402
 from adr_opt.learning.training.runs import TrainingRun, locked  # noqa: E402
@@ -494,7 +494,7 @@ def test_imitation_is_a_better_beginning_than_none(tmp_path: Path) -> None:
             config,
             tmp_path / str(imitated),
             report=lambda steps, means, told=told: told.append(dict(means)),
-            held=held,
+            held_out=held,
         )
         begun.append(next(sum(means.values()) for means in told if means))
     assert begun[1] > 1.5 * begun[0]

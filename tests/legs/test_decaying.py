@@ -128,7 +128,7 @@ def test_rows_on_demand_know_of_decay() -> None:
     bodies, worth = len(field.names), 20.0
     field = field.replace(transfer=field.transfer.replace(delta_v_resolution_m_s=0.1))
     held = Timetable(field, time_value_m_s_per_h=worth)
-    asked = Timetable(field, time_value_m_s_per_h=worth, asked=neighbours(field, bodies))
+    asked = Timetable(field, time_value_m_s_per_h=worth, examined=neighbours(field, bodies))
     found = others = 0
     for _ in range(1000):
         i, j = rng.choice(bodies, 2, replace=False)

@@ -50,7 +50,7 @@ def test_what_is_asked_for_is_what_a_table_holds(seed, worth):
     instance = drawn(seed)
     rng, bodies = np.random.default_rng(seed), len(instance.names)
     held = Timetable(instance, time_value_m_s_per_h=worth)
-    asked = Timetable(instance, time_value_m_s_per_h=worth, asked=neighbours(instance, bodies))
+    asked = Timetable(instance, time_value_m_s_per_h=worth, examined=neighbours(instance, bodies))
     found = 0
     for _ in range(LOOKED_UP):
         i, j = rng.integers(0, bodies, 2)
@@ -80,7 +80,7 @@ def test_where_planes_drift_what_is_asked_for_is_what_a_list_holds(seed):
     )
     field = field.replace(dynamics="j2", transfer=settings).with_limits(duration_s=8.0 * 86400.0)
     held = Timetable(field, time_value_m_s_per_h=worth)
-    asked = Timetable(field, time_value_m_s_per_h=worth, asked=neighbours(field, 9))
+    asked = Timetable(field, time_value_m_s_per_h=worth, examined=neighbours(field, 9))
     found, others, bodies = 0, 0, len(field.names)
     for _ in range(LOOKED_UP):
         i, j = rng.integers(0, bodies, 2)

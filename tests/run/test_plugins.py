@@ -22,8 +22,7 @@ from adr_opt.run.methods import PLANNERS
 from adr_opt.run.warm_up import PracticeKind, practice_problem, thrusting_problem
 from adr_opt.testing import CASES, PlannerFault, validate_planner
 from adr_opt.ui.cli.warm_up import _is_for, _kinds
-from solvers.labels.label_search import LabelSearch
-from solvers.labels.practice import practise
+from solvers.labels.label_search import LabelSearch, practise
 
 ROOT = Path(__file__).parents[2]
 

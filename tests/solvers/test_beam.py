@@ -24,7 +24,7 @@ from adr_opt.mission.result import Result
 from solvers.beams import timely_beams
 from solvers.beams.beams import TIME_VALUE_M_S_PER_H, BeamSettings, beam_search, usual_settings
 from solvers.planners.beam import beam
-from solvers.walks.completion_times import latest_of
+from solvers.walks.latest_times import latest_of
 from solvers.walks.walks import WalkBound
 
 TINY = sorted((Path(__file__).parents[2] / "instances" / "tiny").glob("*.json"))

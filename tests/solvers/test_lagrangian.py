@@ -13,8 +13,7 @@ from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.mission import Mission
 from solvers.bounds.lagrangian import lagrangian
 from solvers.networks import simd
-from solvers.walks.completion_times import latest_of
-from solvers.walks.latest_times import latest_time
+from solvers.walks.latest_times import latest_of, latest_time
 from solvers.walks.multipliers import Descent
 from solvers.walks.walks import MOST_SLOTS, WalkBound
 

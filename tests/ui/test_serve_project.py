@@ -330,6 +330,25 @@ def test_a_point_of_a_trade_off_opens_its_plan(at: At) -> None:
         assert at.client.get("/results/points", params={"id": wrong_id}).status_code == 422
 
 
+def test_a_trade_off_begins_with_the_plans_there_are(at: At) -> None:
+    """Legal plans of the mission are points of its trade-off, at its own budget; others are not."""
+    instance = hand_made()
+    at.drop("i", instance.to_json().encode())
+    best = adr_opt.solve(instance, "exact", time_limit=60.0).plan
+    assert best is not None
+    illegal = best.replace(objective=best.objective + 1.0)
+    for plan, of in ((illegal, instance), (best, instance)):
+        at.session.results.keep_plan("solve", "kept", of, plan)
+    own = at.get("/state")["chasers"][0]["amount"]
+    options = {"vary": f"delta-v={own - 200.0}", "method": "greedy", "time_limit_s": 5.0}
+    job = at.post("/jobs", {"verb": "tradeoff", "options": options, "results": []})["job"]
+    row = at.done(job)
+    assert row["state"] == "done", row
+    assert at.get("/results")[-1]["inputs"] == [2]
+    last = at.get(f"/results/points?id={row['result']}")["points"][-1]
+    assert (last["values"], last["prize"]) == ([own], best.objective)
+
+
 def test_options_of_an_import_make_the_mission(at: At, cli: Cli, tmp_path: Path) -> None:
     """What `import` makes of the same objects with the same options, prizes by criticality too."""
     at.drop("all.tle", catalogue(60))

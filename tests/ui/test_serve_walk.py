@@ -243,11 +243,11 @@ def every_verb(tab: browser.Browser) -> None:
 def points(tab: browser.Browser) -> None:
     """Open the plan of a point by its dot, and of another one by its button and a key."""
     tab.evaluate("document.querySelector('[aria-label^=Points]').click()")
-    tab.wait_for("document.querySelectorAll('#points .dot').length === 2")
+    tab.wait_for("document.querySelectorAll('#points svg a circle').length === 2")
     judged(tab, LOOKS[-1:])
     before = asked(tab, "/state")["result"]
     place = tab.evaluate(
-        "(() => { const dot = document.querySelector('#points .dot');"
+        "(() => { const dot = document.querySelector('#points svg a circle');"
         " dot.scrollIntoView({ block: 'center' });"
         " const { x, y, width, height } = dot.getBoundingClientRect();"
         " return [x + width / 2, y + height / 2]; })()"

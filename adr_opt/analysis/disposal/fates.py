@@ -131,13 +131,13 @@ def fates(
     debris : Debris, optional
         What is assumed to survive.
     kit_isp_s : float
-        Specific impulse of kits, for what they have to have [s].
+        Specific impulse of kits, from which their propellant follows [s].
 
     Raises
     ------
     InputError
-        The plan is none of the instance or has violations, a number is out of range, or orbits are
-        not known.
+        The plan belongs to another instance or has violations, a number is out of range, or orbits
+        are not known.
     """
     admitted = admit(instance, plan)
     instance, mission = admitted.instance, admitted.instance.mission

@@ -11,7 +11,7 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.legs.burns import half_ellipse_speeds
 from ...kernels.orbits.coast import coast
 from ...kernels.orbits.gravity import FIELDS
-from ...problem.ground import above, upward
+from ...problem.geodetic import above, upward
 from ...problem.instance import Instance
 from ...problem.sun import greenwich
 from .casualties import Array

@@ -74,19 +74,19 @@ def replan(  # noqa: PLR0913
     lost : iterable of str
         Targets that are not to be visited any more.
     failed : int, optional
-        Number of a leg that has not begun, and does not begin when it was to. Those before it of
-        its chaser are flown as planned, and the rest begins where it was to begin, later.
+        Number of a leg that does not begin as planned. Earlier legs of its chaser are flown as
+        planned, and the rest begins where that leg was to begin, later.
     keep : int
         Number of further legs of each chaser, not yet begun, that are flown as planned.
     missed : iterable of str
-        Targets to which the leg has begun, and that are not serviced: the chaser is there all the
-        same, with the kit, and without a tow.
+        Targets that are reached but not serviced: the chaser is there, with its kit, and tows
+        nothing.
     retry : bool
         Whether those may be tried again; else they are given up.
     services_s : mapping of str to float, optional
         How long the service of a target took, or the attempt at one that was missed [s].
     costs_m_s : mapping of int to float, optional
-        What a leg took, by its number, without the tow that may follow [m/s].
+        Actual ΔV of a leg, by its number, without a following tow [m/s].
     method : str, optional
         Planner of the rest; "beam" for one chaser and "auto" for several by default.
     time_limit : float
@@ -98,8 +98,8 @@ def replan(  # noqa: PLR0913
     ------
     InputError
         The plan is of another instance or has violations, the time is outside the mission, a name
-        is no target or one that is done, a leg that is to be kept crosses a new zone, or what is
-        told of the flight cannot have been.
+        is no target or one that is done, a leg that is to be kept crosses a new zone, or the events
+        contradict each other or the plan.
     """
     began = now_s()
     refuse(instance, FOLLOWS)

@@ -71,7 +71,8 @@ class ExpectedPlan:
     plan : Plan or None
         Of the instance as it is, with what it collects on average in new worlds.
     plain : float
-        What the plan of the instance as planned collects on average in the same; 0 without one.
+        Mean prize, in the same worlds, of the plan made without regard to the uncertainty; 0
+        without one.
     tried : int
         Number of plans that were chosen from.
     status : str
@@ -119,7 +120,7 @@ def expected(
     ----------
     instance : Instance, path or dict
     uncertainty : Uncertainty
-        What may go otherwise than planned.
+        What may deviate from the plan.
     method : str
         Name of an installed planner.
     time_limit : float

@@ -69,10 +69,11 @@ def robust(  # noqa: PLR0913
     ----------
     instance : Instance, path or dict
     uncertainty : Uncertainty
-        What may go otherwise than planned.
+        What may deviate from the plan.
     confidence : float
-        Chance, from 0.5 up to below 1: that all tanks hold what their legs take, of each stay and
-        launch that the next leg departs in time, and that the plan is kept when it is followed.
+        Required probability, at least 0.5 and less than 1: that all tanks suffice, that the next
+        leg departs in time after each stay or launch, and that the plan is kept when it is
+        followed.
     method : str
         Name of an installed planner.
     time_limit : float

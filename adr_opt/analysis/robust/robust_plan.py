@@ -41,7 +41,7 @@ class RobustPlan:
     promise : Promise or None
         Its promise.
     confidence : float
-        That was asked for.
+        The required one.
     worth : float
         What the plan collects on average; −inf without one.
     upper_bound : float

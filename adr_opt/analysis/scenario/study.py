@@ -219,11 +219,11 @@ def scenario(
     epoch : datetime, optional
         Of year 0; by default the latest of the element sets.
     folder : path, optional
-        Of a file of years, from which a later call goes on, and a folder of instances and plans.
+        For a file of years, from which a later call resumes, and for instances and plans.
     jobs : int
         Number of processes, a seed in each; with one seed, of threads; 0 for all cores.
     show : callable
-        Told of the numbers of finished years and of all.
+        Called with the numbers of finished years and of all.
 
     Raises
     ------

@@ -175,7 +175,7 @@ def screen(
     Parameters
     ----------
     instance : Instance
-        With a frame: of it the axes of the plan are known.
+        With a frame, which defines the axes of the plan.
     refined : RefinedPlan or Admitted
     records : sequence of ElementSet
     distance_m : float
@@ -191,8 +191,8 @@ def screen(
     Raises
     ------
     InputError
-        The refined plan is none of the instance or has violations, there is no frame, or the
-        distance is no positive number.
+        The refined plan belongs to another instance or has violations, there is no frame, or the
+        distance is not positive.
     MissingExtra
         sgp4 or astropy is not installed.
     """
@@ -399,19 +399,18 @@ def avoiding(
         With a frame.
     records : sequence of ElementSet
     avoid_m : float
-        Misses up to this are avoided, but for bodies that are visited [m].
+        Misses up to this are avoided, except those of visited bodies [m].
     most_probability : float
         Probability of a collision from which an approach is avoided whatever its miss.
     errors : dict of str to PositionErrors, optional
         As of :func:`.screen`.
     within_m : float
-        Miss up to which probabilities are looked at [m].
+        Largest miss for which probabilities are computed [m].
 
     Raises
     ------
     InputError
-        There is no frame, the distance is no positive number, or a probability is to be held
-        without errors.
+        There is no frame, the distance is not positive, or a probability is given without errors.
     """
     if instance.frame is None:
         raise InputError(f"{instance.name!r} has no frame; make it with import")

@@ -202,6 +202,27 @@ def grid(instance: Instance, axes: Sequence[Axis]) -> list[PointLimits]:
     return sorted(found)
 
 
+def own_limits(
+    instance: Instance, axes: Sequence[Axis], limits: Sequence[PointLimits]
+) -> tuple[list[Axis], list[PointLimits]]:
+    """Axes and points with the limits that the instance itself has, where no drive is varied."""
+    by_mass = [c.tank.propellant_kg for c in instance.chasers if isinstance(c.tank, TankByMass)]
+    own = {
+        "delta-v": instance.largest_tank_m_s,
+        "duration": instance.mission.duration_s,
+        "propellant": max(by_mass, default=0.0),
+    }
+    if not all(axis.kind in own for axis in axes):
+        return list(axes), list(limits)
+    wider, at = [], []
+    for axis in axes:
+        value = own[axis.kind]
+        value = next((each for each in axis.values if math.isclose(each, value)), value)
+        wider.append(Axis(axis.kind, tuple(sorted({*axis.values, value}))))
+        at.append(Axis(axis.kind, (value,)))
+    return wider, sorted({*limits, *grid(instance, at)})
+
+
 def _drives(
     instance: Instance, by_kind: dict[str, Axis]
 ) -> Iterator[tuple[float | None, float | None]]:

@@ -119,13 +119,14 @@ def frontier(
     stop : Stop, optional
         Ends the search for cheaper plans; what is known is timed all the same.
     told : callable
-        Told of each search.
+        Called with a sentence on each search.
 
     Returns
     -------
     tuple of Ending
-        For each tank by the last day, each with less ΔV than the one before, by the resolution of
-        the instance but for the one of least cost and the last one, that of the least ΔV.
+        For each tank in order of the last day, each with less ΔV than the one before by at least
+        the resolution of the instance, except for the plan of least cost and the last one, that of
+        least ΔV.
 
     Raises
     ------

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any, NamedTuple
 
 from ...common.errors import InputError
@@ -24,13 +26,16 @@ from ...problem.instance import Instance
 from ...run.front import solve
 from ...run.method_call import spec_of
 from ...study import Place, Study
-from .axes import Tanks
+from .axes import PointLimits, Tanks
 from .plans import ask_few
-from .points import Point
+from .points import Point, Routes
 from .shared import Shared
 
 METHOD = "from-file"
 """Method stated in internal plans."""
+
+GIVEN = "given"
+"""Stated of points in the place of a planner where the plan was there already."""
 
 INFEASIBLE = "infeasible"
 """Placeholder for the bound of a point without any plan."""
@@ -167,12 +172,20 @@ class PointRuns:
         runtime_s, cpu_s = float(row["runtime_s"]), float(row["cpu_s"])
         if math.isnan(stated) or not (0.0 <= runtime_s < math.inf and 0.0 <= cpu_s < math.inf):
             raise ValueError("the fields of the row are not numbers")
-        problem = self._flown_alone.problem(run.known.limits)
-        bound = min(stated, problem.total_prize)
         routes = tuple(tuple(route) for route in routes)
-        point = replace(
-            _point(run, routes, bound, _visits(problem, routes)), runtime_s=runtime_s, cpu_s=cpu_s
-        )
+        return replace(self._flown(run, routes, stated), runtime_s=runtime_s, cpu_s=cpu_s)
+
+    def given(self, limits: Iterable[PointLimits], orders: Iterable[Routes]) -> Iterator[Point]:
+        """Points at which orders of plans that are there already can be flown, timed anew."""
+        for each, routes in product(limits, orders):
+            with suppress(InputError):  # too little ΔV or time
+                yield self._flown(PointRun(GIVEN, Point(**each._asdict())), routes, math.inf)
+
+    def _flown(self, run: PointRun, routes: Routes, bound: float) -> Point:
+        """The point of routes, flown anew; of none, the bound alone."""
+        problem = self._flown_alone.problem(run.known.limits)
+        bound = min(bound, problem.total_prize)
+        point = _point(run, routes, bound, _visits(problem, routes))
         if not routes:
             return point
         if len(routes) != len(problem.missions):

@@ -190,10 +190,7 @@ class KnownPoints:
 
     def __init__(self, limits: Iterable[PointLimits], slack_m_s: float = 0.0) -> None:
         self._slack_m_s = slack_m_s
-        self.points: dict[PointLimits, Point] = {
-            each: Point(each.delta_v_m_s, each.duration_s, thrust_n=each.thrust_n, isp_s=each.isp_s)
-            for each in limits
-        }
+        self.points: dict[PointLimits, Point] = {each: Point(**each._asdict()) for each in limits}
 
     def add(self, found: Point) -> None:
         """Add the results of a run, and apply them to the other points.

@@ -10,12 +10,13 @@ from dataclasses import replace
 
 from ...common.errors import InputError
 from ...common.stop import MaxRuntime, Stop
+from ...judge.admit import AnyPlan, admit
 from ...mission.problem import Problem
 from ...problem.instance import Instance
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
 from ...run.method_call import refuse_unable, spec_of
 from ...study import Run, check_jobs
-from .axes import Axis, PointLimits, grid, tanks_of
+from .axes import Axis, PointLimits, grid, own_limits, tanks_of
 from .point_runs import PointRun, PointRuns
 from .points import Impossible, KnownPoints, Point, Tradeoff
 from .shared import slack_m_s, variant
@@ -36,6 +37,7 @@ def tradeoff(  # noqa: PLR0913
     jobs: int = 1,
     cluster: str | None = None,
     path: str | os.PathLike[str] | None = None,
+    starts: Sequence[AnyPlan] = (),
     stop: Stop | None = None,
     told: Told = lambda point, board: None,
 ) -> Tradeoff:
@@ -64,6 +66,9 @@ def tradeoff(  # noqa: PLR0913
         :func:`adr_opt.study.cluster.client_of` takes it.
     path : path, optional
         File of the runs, see :mod:`adr_opt.study.file`: what is in it is not run again.
+    starts : sequence of Plan
+        Plans of the instance that are there already. Their orders are timed anew at each point,
+        before any run; and the limits of the instance are a point, too, if drives are not varied.
     stop : Stop, optional
         Ends all of it early; a run that it cuts short does not count.
     told : callable
@@ -72,12 +77,15 @@ def tradeoff(  # noqa: PLR0913
     Raises
     ------
     InputError
-        The axes, the method, or the file do not fit.
+        The axes, the method, the file or a plan do not fit, or a plan is not legal.
     """
     began = time.perf_counter()
     MaxRuntime(time_limit)
     check_jobs(jobs, cluster)
+    given = dict.fromkeys(tuple(admit(instance, each).plan.orders.values()) for each in starts)
     limits = grid(instance, axes)
+    if given:
+        axes, limits = own_limits(instance, axes, limits)
     tanks = tanks_of(instance, axes)
     for each in limits:
         variant(instance, each, tanks=tanks)  # what is not valid is refused before any work
@@ -85,23 +93,29 @@ def tradeoff(  # noqa: PLR0913
     problem = runs.shared.problem(limits[0])
     refuse_unable(problem, spec_of(method))
     board, ran = KnownPoints(limits, slack_m_s(instance)), defaultdict[str, set[PointLimits]](set)
+
+    def add(point: Point) -> None:
+        try:
+            board.add(point)
+        except Impossible as error:
+            if not running.has_rows:
+                raise
+            raise InputError(
+                f"{path}: a bound of this file lies below what a plan collects that is "
+                f"found now ({str(error).partition(':')[0]}); name another file"
+            ) from error
+        told(point, board)
+
     quick, cpu_s = _quick(problem, method), 0.0
     with Run(runs.study(method), path, jobs=jobs, cluster=cluster, stop=stop) as running:
         _take_in(board, running, ran, dict.fromkeys((quick or method, method)), path)
+        for point in runs.given(limits, given):
+            add(point)
         passes = [] if quick is None else [_pass(board, ran[quick], quick, quick=True)]
         for groups in (*passes, _pass(board, ran[method], method, quick=False)):
             for _, point in running.rows(groups):
-                try:
-                    board.add(point)
-                except Impossible as error:
-                    if not running.has_rows:
-                        raise
-                    raise InputError(
-                        f"{path}: a bound of this file lies below what a plan collects that is "
-                        f"found now ({str(error).partition(':')[0]}); name another file"
-                    ) from error
                 cpu_s += point.cpu_s
-                told(point, board)
+                add(point)
     propellants_kg = dict(tanks.values) if tanks.limit == "propellant_kg" else {}
     points = tuple(
         replace(board.points[each], propellant_kg=propellants_kg.get(each.delta_v_m_s))

@@ -56,7 +56,7 @@ class CaptureConditions:
     mask_deg : float
         Least elevation at which they do [deg].
     given : mapping of str to (intervals, 2) float64
-        Times that other causes leave, by target [s]; one that is not named is free at all times.
+        Times that other conditions allow, by target [s]; all times for a target that is not named.
     margin_s : float
         By which every interval begins later and ends sooner [s].
     """
@@ -140,7 +140,7 @@ class _Sky:
         self._since_s = (epoch - J2000).total_seconds()
         self._greenwich_rad = sidereal_angle_rad(epoch)
 
-    def conditions(self, name: str, asked: CaptureConditions) -> Iterator[Function]:
+    def conditions(self, name: str, required: CaptureConditions) -> Iterator[Function]:
         """Functions that are positive in sunlight, and at the required angle of the Sun [rad]."""
 
         def light(times: Array) -> Array:
@@ -154,14 +154,14 @@ class _Sky:
         def angle(times: Array) -> Array:
             _, velocities = self._of_date(name, times)
             away = _angles(velocities, sun_directions(self._since_s + times))
-            return away - math.radians(asked.sun_angle_deg)
+            return away - math.radians(required.sun_angle_deg)
 
-        if asked.light:
+        if required.light:
             yield light
-        if asked.sun_angle_deg > 0.0:
+        if required.sun_angle_deg > 0.0:
             yield angle
 
-    def contacts(self, name: str, asked: CaptureConditions) -> Iterator[Function]:
+    def contacts(self, name: str, required: CaptureConditions) -> Iterator[Function]:
         """Elevation above the mask of each station [rad]."""
 
         def elevation(times: Array) -> Array:
@@ -170,9 +170,9 @@ class _Sky:
             cosine, sine = np.cos(turn), np.sin(turn)
             x, y, z = positions.T
             fixed = np.column_stack([cosine * x + sine * y, cosine * y - sine * x, z])
-            return 0.5 * math.pi - _angles(fixed - place, up) - math.radians(asked.mask_deg)
+            return 0.5 * math.pi - _angles(fixed - place, up) - math.radians(required.mask_deg)
 
-        for station in asked.stations:
+        for station in required.stations:
             place, up = station.place()
             yield elevation
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
-from ...problem.ground import place, upward
+from ...problem.geodetic import place, upward
 from ...sources.csv_table import named_numbers
 
 COLUMNS = ("name", "latitude_deg", "longitude_deg", "altitude_m")

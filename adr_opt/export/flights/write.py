@@ -41,8 +41,8 @@ class FlightFile:
         By default that of the file's suffix; "ocm" is for refined plans.
     frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
         By default GCRF, and EME2000 if the instance names no frame. Where it names one, states and
-        burns are turned from that to this, by astropy; else this is only a name. CZML has only
-        Cesium's INERTIAL, the ICRF, and takes no notice; GMAT has no TEME.
+        burns are rotated from it to this one by astropy; otherwise this is only a label. CZML
+        always uses Cesium's INERTIAL, the ICRF; GMAT has no TEME.
     object_id : str, optional
         International designator of what flies, for ``oem`` and ``opm``; else UNKNOWN.
     """

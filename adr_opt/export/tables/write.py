@@ -134,7 +134,7 @@ def write_matrix(
     choose : {"earliest", "cheapest"} or float, optional
         As in :meth:`adr_opt.Timetable.matrices`.
     building : callable
-        Hears of the share of the timetable that is built.
+        Called with the share of the timetable that is built.
 
     Returns
     -------
@@ -209,7 +209,7 @@ def write_timetable(
         The suffix chooses the format: ``.parquet`` (extra ``[io]``), or an installed model such as
         ``.lp`` and ``.mps`` (extra ``[mip]``), see :mod:`.models`.
     building : callable
-        Hears of the share of the timetable that is built.
+        Called with the share of the timetable that is built.
 
     Raises
     ------

@@ -148,16 +148,16 @@ def sample_flights(  # noqa: PLR0913
     corrections : int
         Burns for corrections alone after each burn that has time for them before the next.
     share : float
-        Of the flights whose needs are asked for.
+        Share of the flights that the stated ΔV and times cover.
     targets : mapping, optional
-        Body → the error of where it is. A leg begins where its origin is; it leads to where its
-        destination is planned until that is known, and from then on to where it is.
+        Position errors by body. A leg begins at the actual place of its origin. It leads to the
+        planned place of its destination until the actual one is known, and from then on to that.
     known_before_s : float, optional
         Time before the stand-off from which the destination is known; by default a revolution [s].
     jobs : int, optional
-        Threads, which change nothing but the time it takes; all cores by default.
+        Threads; all cores by default. The result does not depend on it.
     report : callable
-        Hears of how many legs are done, and of how many there are.
+        Called with the number of legs done, and of all legs.
 
     Raises
     ------

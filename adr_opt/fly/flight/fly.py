@@ -30,7 +30,7 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
     Each leg begins on the origin's own orbit, or where the tow of the origin leads, which begins
     there; the burns are taken from the plan as they are.
     Bodies move on the circles that the model plans with (docs/model.md section 1). A leg with an
-    eccentric orbit is flown a second time on the true orbits, with its burns aimed anew
+    eccentric orbit is flown a second time on the true orbits, with its burns retargeted
     (:mod:`.retargeted`). What that takes, and what the burns of legs that drift take, is counted
     tank by tank.
 

@@ -153,7 +153,7 @@ def fly_mean(
     instance : Instance
     plan : Plan or Admitted
     enough : callable
-        Asked between legs; once it says so, there is no flight.
+        Called between legs; once it returns True, the flight is abandoned, and None returned.
 
     Raises
     ------

@@ -44,7 +44,7 @@ def fly_refined(
     instance : Instance
     refined : RefinedPlan or Admitted
     report : callable
-        Hears of how many legs are flown, and of how many there are.
+        Called with the number of legs flown, and of all legs.
 
     Raises
     ------

@@ -221,7 +221,7 @@ def fly_forced(
     forces : Forces, optional
         Those of :class:`Forces` by default.
     report : callable
-        Hears of how many legs are flown, and of how many there are.
+        Called with the number of legs flown, and of all legs.
 
     Raises
     ------

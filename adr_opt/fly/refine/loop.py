@@ -197,7 +197,7 @@ def solve_refined(  # noqa: PLR0913
     margin : float
         Share of each tank held in reserve, also of flown ΔV.
     told : callable
-        Hears of each round.
+        Called with each round.
     unsafe : callable
         Finds the times at which a refined plan that holds must not be flown, such as conjunctions
         (:func:`adr_opt.analysis.screening.avoiding`).

@@ -29,12 +29,17 @@ FOLLOWS = Follower("check", JUDGED)
 
 
 def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
-    """All violations of a plan; if there are none, it may be flown.
+    """List all violations of a plan.
 
     Parameters
     ----------
     instance : Instance, path or dict
     plan : Plan
+
+    Returns
+    -------
+    tuple of Violation
+        Empty for a legal plan, which may be flown.
 
     Raises
     ------

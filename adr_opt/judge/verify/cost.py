@@ -25,7 +25,7 @@ from ..check.towed import towed_bodies
 from .claim import difference_of, remembered, worths_of
 from .legs import legs_of
 from .lists import Lists
-from .walks import Paying, WalkAnswer, asked, refuted, walks_reach
+from .walks import Paying, WalkAnswer, refuted, walk_question, walks_reach
 
 SLACK, LEAST_SLACK = Fraction(1, 10**10), Fraction(1, 2**50)
 """Share by which the worth of walks may fall short, to cover rounding in sums of prizes, and its
@@ -118,7 +118,7 @@ def judged_cost(
     for claim in claims:
 
         def answer(chaser: Chaser, own: ConnectionFinder, claim: _Claim = claim) -> WalkAnswer:
-            question = asked(
+            question = walk_question(
                 legs_of(instance, chaser, own),
                 _counts(instance, certificate, cost, chaser),
                 remembered(instance, claim.walks.neighbourhoods),

@@ -28,7 +28,7 @@ from .names import check_names
 from .rules import FOLLOWS
 from .steps import most_in_steps
 from .terms import terms_of
-from .walks import WalkAnswer, asked, refuted, walks_reach
+from .walks import WalkAnswer, refuted, walk_question, walks_reach
 
 CONNECTIONS = 1000
 """Number of connections flown again."""
@@ -39,7 +39,7 @@ MOST_CONNECTIONS = 1_000_000
 
 @dataclass(frozen=True)
 class Verdict:
-    """The findings.
+    """The outcome of :func:`verify`.
 
     Attributes
     ----------
@@ -196,7 +196,7 @@ def _searched(
             legs, known = legs_of(instance, chaser, own), remembered(instance, walks.neighbourhoods)
             cuts, losses = certificate.cuts, losses_of(instance)
             return walks_reach(
-                asked(legs, worths, known, most, slot_m_s, cuts, losses=losses), lists
+                walk_question(legs, worths, known, most, slot_m_s, cuts, losses=losses), lists
             )
         price = None if walks.worth_per_m_s is None else Fraction(walks.worth_per_m_s)
         terms = terms_of(instance, chaser, own)

@@ -118,7 +118,7 @@ def expander() -> Any:
     raise InputError("nothing is installed that makes lists of labels; install adr-opt again")
 
 
-class AskedWalks(NamedTuple):
+class WalkQuestion(NamedTuple):
     """A question about the walks over some legs, and where they begin."""
 
     legs: Legs
@@ -126,7 +126,7 @@ class AskedWalks(NamedTuple):
     starts: ClosedLabels
 
 
-def asked(
+def walk_question(
     legs: Legs,
     gains: Sequence[Fraction],
     neighbourhoods: npt.NDArray[np.bool_],
@@ -135,7 +135,7 @@ def asked(
     cuts: Sequence[ProvenCut] = (),
     paying: Paying | None = None,
     losses: Sequence[Loss] = (),
-) -> AskedWalks:
+) -> WalkQuestion:
     """The question whether a walk collects ``most``.
 
     Parameters
@@ -185,19 +185,19 @@ def asked(
         worth,
         least,
     )
-    return AskedWalks(legs, question, _starts(legs, question, losses, unit))
+    return WalkQuestion(legs, question, _starts(legs, question, losses, unit))
 
 
-def walks_reach(asked: AskedWalks, lists: Lists | None = None) -> WalkAnswer:
+def walks_reach(over: WalkQuestion, lists: Lists | None = None) -> WalkAnswer:
     """Check whether a walk collects the stated amount.
 
     Parameters
     ----------
-    asked : AskedWalks
+    over : WalkQuestion
     lists : Lists, optional
         Where a list of closed labels may be, and is noted.
     """
-    legs, question, starts = asked
+    legs, question, starts = over
     maker, made, given = expander(), 0, None if lists is None else lists.next()
     if given is None:
         found = maker.expand(legs, question, starts)

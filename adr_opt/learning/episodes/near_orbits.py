@@ -43,11 +43,11 @@ class OrbitPlaces:
         self._near = np.zeros((bodies, count), dtype=np.int64)
 
     def nearest_of(
-        self, body: int, asked: npt.NDArray[np.bool_], first: npt.NDArray[np.bool_], count: int
+        self, body: int, among: npt.NDArray[np.bool_], first: npt.NDArray[np.bool_], count: int
     ) -> IntArray:
-        """At most so many of the bodies asked for, the nearest to one, ``first`` before all."""
+        """At most ``count`` bodies of ``among``, nearest first, those of ``first`` before all."""
         found = np.empty(count, dtype=np.int64)
-        return found[: nearest(self.points, int(body), asked, first, found)]
+        return found[: nearest(self.points, int(body), among, first, found)]
 
     def neighbours_of(self, bodies: IntArray) -> IntArray:
         """Nearest targets of some bodies, themselves left out, the nearest first."""

@@ -20,7 +20,7 @@ from ...run.front import solve
 from ...sources.generator import generate
 from ..environment.fields import FIRST_SEED
 from ..episodes import Board, FieldPool, new_episodes, playing_time_s, start
-from ..held import chaser_by_chaser
+from ..held_out import chaser_by_chaser
 from .configs import Config
 
 FAMILIES = {"varied": (*("reduced-time", "nominal", "reduced-fuel") * 3, "reduced-time")}

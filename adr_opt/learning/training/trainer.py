@@ -20,7 +20,7 @@ from stable_baselines3.common.utils import obs_as_tensor
 from ...common.errors import InputError
 from ..environment.vector import MissionVecEnv
 from ..episodes import Board
-from ..held import HeldFields
+from ..held_out import HeldFields
 from ..policy import Policy
 from .checkpoints import read_checkpoint, write_checkpoint
 from .configs import Config
@@ -81,7 +81,7 @@ class Keeper(BaseCallback):
         Time between checkpoints [s].
     enough : callable
     report : callable
-    held : HeldFields
+    held_out : HeldFields
     """
 
     def __init__(
@@ -92,11 +92,11 @@ class Keeper(BaseCallback):
         checkpoint_s: float,
         enough: Callable[[], bool],
         report: Report,
-        held: HeldFields,
+        held_out: HeldFields,
     ) -> None:
         super().__init__()
         self.run, self.config, self.every, self.checkpoint_s = run, config, every, checkpoint_s
-        self.enough, self.report, self.held = enough, report, held
+        self.enough, self.report, self.held_out = enough, report, held_out
         state = run.state
         self.best = state.get("best", -math.inf)
         self.spent_s = state.get("seconds", 0.0)
@@ -142,7 +142,7 @@ class Keeper(BaseCallback):
         self.report(self.num_timesteps, means)
 
     def measured(self, model: Any) -> dict[str, float]:
-        """Mean visits on the held fields, with the best moves of a model as it is."""
+        """Mean visits on the held-out fields, with the best moves of a model as it is."""
 
         def choose(board: Board) -> npt.NDArray[np.int64]:
             with torch.no_grad():
@@ -153,7 +153,7 @@ class Keeper(BaseCallback):
             found: npt.NDArray[np.int64] = chosen.cpu().numpy()
             return found
 
-        return self.held.means(choose, self.config.observation)
+        return self.held_out.means(choose, self.config.observation)
 
     def _keep(self, name: str) -> None:
         if isinstance(self.model.policy, SetPolicy):
@@ -176,7 +176,7 @@ def train(  # noqa: PLR0913
     checkpoint_s: float = 60.0,
     enough: Callable[[], bool] = lambda: False,
     report: Report = lambda steps, means: None,
-    held: HeldFields | None = None,
+    held_out: HeldFields | None = None,
 ) -> None:
     """Train into a folder, from its last checkpoint if it has one.
 
@@ -190,13 +190,13 @@ def train(  # noqa: PLR0913
     device : str
         Device of PyTorch: "cpu", "cuda", or "auto" for a GPU where there is one.
     evaluate_every : int
-        Steps between evaluations on held fields.
+        Steps between evaluations on held-out fields.
     checkpoint_s : float
         Time between checkpoints [s].
     enough : callable
         Asked after every step; if it returns True, the training ends with a checkpoint.
     report : callable
-    held : HeldFields, optional
+    held_out : HeldFields, optional
         Fields of the evaluations on the way; those of the block ``val`` if None.
 
     Raises
@@ -236,7 +236,7 @@ def train(  # noqa: PLR0913
             # A new model seeds the environment as at the beginning.
             env.seed((seed + done) % 2**32)
         keeper = Keeper(
-            run, config, evaluate_every, checkpoint_s, enough, report, held or HeldFields()
+            run, config, evaluate_every, checkpoint_s, enough, report, held_out or HeldFields()
         )
         if config.imitated and not done:
             run.begin_with(keeper.measured(model))

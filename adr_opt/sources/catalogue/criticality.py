@@ -66,7 +66,7 @@ def criticality(
     ----------
     targets : sequence of ElementSet
     catalogue : sequence of ElementSet
-        All that is known to fly, targets included: what crowds.
+        All known objects, targets included, which determine crowding.
     masses_kg : mapping of int to float, optional
         Of targets by their number here, where better known than in the records [kg].
 

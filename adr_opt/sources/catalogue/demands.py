@@ -62,8 +62,8 @@ class Demands:
     required : collection of str
         Objects that a plan has to service; each has to be a target.
     musts, excluded : collection of str
-        Objects that are targets which a plan has to service, whatever filters say; and objects
-        that are no targets. Each may be several with commas between them.
+        Objects that become required targets regardless of filters; and objects that are not
+        targets. Each may name several, separated by commas.
     wishes : collection of Wish
         Of a table, see :func:`.wishes.read_wishes`.
     only_wished : bool
@@ -197,7 +197,7 @@ def check_musts(
 
 
 def filled(
-    asked: TargetDemands,
+    demands: TargetDemands,
     targets: Sequence[ElementSet],
     catalogue: Sequence[ElementSet],
     crew: Crew,
@@ -209,7 +209,7 @@ def filled(
     What a table asks for goes before either, and the mass that all are towed with before the
     catalogue's.
     """
-    fields = {number: dict(its) for number, its in asked.fields.items()}
+    fields = {number: dict(its) for number, its in demands.fields.items()}
     for number, record in enumerate(targets):
         if record.mass_kg is not None and crew.towed_kg is None:
             fields.setdefault(number, {}).setdefault("mass_kg", record.mass_kg)
@@ -242,7 +242,7 @@ def targets_of(
     names: Sequence[str],
     orbits: Iterable[Orbit],
     crew: Crew,
-    asked: Mapping[int, Mapping[str, Any]],
+    fields: Mapping[int, Mapping[str, Any]],
 ) -> tuple[Target, ...]:
     """The targets with their names, orbits and requirements."""
     return tuple(
@@ -252,7 +252,7 @@ def targets_of(
                 "orbit": orbit,
                 "removal": crew.removal,
                 "mass_kg": crew.towed_kg,
-                **asked.get(number, {}),
+                **fields.get(number, {}),
             }
         )
         for number, (name, orbit) in enumerate(zip(names, orbits, strict=True))

@@ -29,7 +29,7 @@ class SetWorths:
     Attributes
     ----------
     names : tuple of str
-        Objects, as instances call targets.
+        Objects, by their names as targets.
     alone : (object,) float64
         Worth of removing each alone [fragment-years].
     pairs : (object, object) float64
@@ -41,7 +41,7 @@ class SetWorths:
     years : float
         Horizon.
     references : tuple of str
-        What tables call the objects.
+        Their names in tables.
     """
 
     names: tuple[str, ...]

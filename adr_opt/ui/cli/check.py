@@ -23,9 +23,7 @@ VIOLATED, UNASKED = "it has violations", "not requested"
 @click.command("check")
 @param.instance
 @param.plan
-@param.file(
-    "--refined-from", "Of a refined PLAN: the plan that it was made of.", name="planned_path"
-)
+@param.file("--refined-from", "For a refined PLAN: the plan that it refines.", name="planned_path")
 @no_fly_option
 @param.as_json
 def command(
@@ -34,9 +32,9 @@ def command(
     """List all violations of PLAN on INSTANCE.
 
     A plan without violations is flown in mean motion on the true orbits, unless it states that it
-    was refined when made; the outcome is printed and does not change the verdict. Of a refined
-    plan, states, burns and arcs are judged by a propagation of their own. Exit status 1: there are
-    violations.
+    was refined when made; the outcome is printed and does not change the verdict. The states,
+    burns and arcs of a refined plan are judged by a separate propagation. Exit status 1: there
+    are violations.
     """
     from ...fly.flight.flyable import off_circles
     from ...plan.refined_plan import is_refined

@@ -115,7 +115,7 @@ def study(
         }
         write_page(outputs.page, designs_page(made, relative))
     if outputs.plot is not None:
-        from ..plot.studies import designs_chart
+        from ..plot.fronts import designs_chart
 
         write_picture(designs_chart(made), outputs.plot)
     for path in outputs:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ...analysis.disposal import Fate
 
 
-@click.command("dispose", short_help="Fates of released objects and chasers.")
+@click.command("dispose", short_help="Report the fates of released objects and chasers.")
 @param.instance
 @param.plan
 @param.number("--years", "YEARS", "Longest lifetime; by default the mission's, or 25.")

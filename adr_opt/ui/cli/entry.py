@@ -84,7 +84,7 @@ def command() -> None:
 
     Exit status: 0 done; 1 the answer is no (a plan with violations, an infeasible instance);
     2 the input or the call is wrong; 3 the program has failed, or the memory does not suffice.
-    Of 2 and 3 one sentence on standard error says why. 130: Ctrl-C.
+    With 2 and 3, one sentence on standard error says why. 130: stopped by Ctrl-C.
     """
 
 

@@ -11,7 +11,7 @@ from ...common.wording import counted
 from . import param
 from .flown import tanks_told
 from .fly_errors import Sampling, error_options
-from .fly_forces import Asked, force_options
+from .fly_forces import ForceOptions, force_options
 from .output import emit, emit_json, say
 from .parameters import (
     about,
@@ -72,7 +72,7 @@ def command(
     from .fly_refined import fly_and_tell
 
     check_out(out, instance_path)  # the plan itself may be written again, with a note more
-    forces = param.taken(Asked, asked)
+    forces = param.taken(ForceOptions, asked)
     sampling = Sampling(**asked)
     forces.refuse_stray(sampling.samples)
     sampling.refuse_stray()

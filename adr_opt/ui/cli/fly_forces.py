@@ -31,7 +31,7 @@ OPTIONS = (
 )
 
 
-class Asked(NamedTuple):
+class ForceOptions(NamedTuple):
     """Options of forces on the command line; None if not given."""
 
     forces: str
@@ -103,13 +103,13 @@ def fly_and_tell(
     out: str | None,
     as_json: bool,
     quiet: bool,
-    asked: Asked,
+    forces: ForceOptions,
 ) -> int:
     """Fly a refined plan with all forces and report; the parameters are those of ``fly``."""
     from ...fly.forces import fly_forced
     from .bars import counting_bar, wanted
 
-    settings = asked.settings()
+    settings = forces.settings()
     refined = admitted.plan
     with about(refined_path), counting_bar(wanted(as_json, quiet), "flying legs") as show:
         flight = fly_forced(admitted.instance, admitted, settings, show)

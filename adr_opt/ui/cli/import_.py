@@ -85,7 +85,7 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 """Reasons due to user-requested filters, which are counted but not listed."""
 
 
-@click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
+@click.command("import", short_help="Make an instance from catalogue files (TLE, OMM).")
 @param.files
 @param.file("--out", "Instance file to write.", required=True)
 @param.word("--epoch", "TIME", "Epoch (ISO, UTC); by default the latest of the elements.")
@@ -151,7 +151,7 @@ def command(
     quiet: bool,
     **given: Any,
 ) -> int:
-    """Make an instance of the objects in FILE..., propagated by SGP4 to one epoch.
+    """Make an instance from the objects in FILE..., propagated by SGP4 to one epoch.
 
     Formats are recognised by content: TLE, three-line sets, and OMM as XML, KVN, JSON or CSV.
     Orbits are mean elements in TEME; with --ephemerides or --oem, those that fit the states best.

@@ -119,7 +119,7 @@ approach = choice(
 burns = choice(
     "--burns",
     ("sequence", "free"),
-    "Burns that set the price of short legs; by default free if an imported orbit is eccentric.",
+    "Burns by which legs are priced; default sequence, or free if an imported orbit is eccentric.",
 )
 keep_out = number("--keep-out", "M", "Keep-out radius of a safety ellipse; default 200.")
 

@@ -42,19 +42,23 @@ NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
 )
 @param.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
 @param.seeded("Seed of the first world.")
-@param.count("--bounds", "N", "Number of worlds with a bound on every policy; 0.", default=0)
+@param.count(
+    "--bounds", "N", "Number of worlds with a bound on every policy; default 0.", default=0
+)
 @param.word(
     "--bound-method",
     "NAME",
-    "Bound to prove with; exact.",
+    "Bound to prove with; default exact.",
     default="exact",
     shell_complete=complete.bounds,
 )
-@param.number("--bound-time-limit", "S", "Wall time of each proof; 20 s.", default=20.0)
+@param.number(
+    "--bound-time-limit", "S", "Wall-clock limit of each proof; default 20 s.", default=20.0
+)
 @param.number(
     "--time-price",
     "P",
-    "Price of the time of services in penalties, in prize per day; 0.",
+    "Price of the time of services in penalties, in prize per day; default 0.",
     default=0.0,
 )
 @param.processes

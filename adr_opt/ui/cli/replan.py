@@ -48,14 +48,14 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
     name="services",
 )
 @param.many("--cost", "LEG=M_S", "Actual ΔV of a leg.", name="costs")
-@param.count("--keep", "N", "Number of further legs that stay as planned; 0.", default=0)
+@param.count("--keep", "N", "Number of further legs that stay as planned; default 0.", default=0)
 @param.word(
     "--method",
     "NAME",
     "Planner of the rest; by default a beam, for several chasers auto.",
     shell_complete=complete.planners,
 )
-@param.time_limit("Wall time of a run; 2 s.")
+@param.time_limit("Wall-clock limit of a run; default 2 s.")
 @param.seed
 @param.file("--out", "Plan file of the rest to write.")
 @param.file("--out-instance", "Instance file of the rest to write.")

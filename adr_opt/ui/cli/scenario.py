@@ -23,7 +23,7 @@ ROWS = 11
 """Maximum number of years in the printed table."""
 
 
-@click.command("scenario", short_help="Decades of campaigns, with removals and without.")
+@click.command("scenario", short_help="Simulate decades of campaigns, with removals and without.")
 @param.files
 @param.file("--campaign", "Instance of a campaign, repeated on objects in orbit.", "campaign_path")
 @click.option("--years", type=int, default=30, show_default=True, help="Years, at most 200.")
@@ -38,7 +38,7 @@ ROWS = 11
 )
 @param.number("--campaign-failure", "P", "Chance that a campaign is lost at launch.", default=0.0)
 @param.number("--capture-failure", "P", "Chance that a capture fails.", default=0.0)
-@param.number("--explosions", "P", "Chance of each intact object to explode, a year.", default=0.0)
+@param.number("--explosions", "P", "Yearly chance that an intact object explodes.", default=0.0)
 @param.flag("--no-collisions", "Draw no collisions; report their rates only.")
 @param.flag("--no-drag", "No drag: no object re-enters.")
 @param.file("--launches", "CSV of objects launched later; see docs/scenarios.md.", "launches_path")
@@ -96,7 +96,8 @@ def command(
     """Draw the future of the objects in FILE..., with repeated campaigns and without.
 
     Each campaign is planned on what is there that year: decayed, broken up, launched, not yet
-    removed. Both futures share their draws. With --folder a run that ended early goes on.
+    removed. Both futures share their draws. With --folder, an interrupted run
+    resumes.
     """
     from ...analysis.scenario.answer import outside, removals_csv, scenario_answer, yearly_csv
     from ...analysis.scenario.launches import read_launches

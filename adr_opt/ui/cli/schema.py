@@ -26,11 +26,15 @@ SCHEMAS = {
 """Modules of the formats, and their records; one without a record has a function of its own."""
 
 
-@click.command("schema")
-@click.argument("which", type=click.Choice(list(SCHEMAS)))
+@click.command("schema", short_help="Print the JSON Schema of a file format.")
+@click.argument("which", metavar="FORMAT", type=click.Choice(list(SCHEMAS)))
 @param.as_json
 def command(which: str, as_json: bool) -> int:
-    """Print the JSON Schema of a file: instance, plan, refined plan, certificate and others."""
+    """Print the JSON Schema of a file of FORMAT.
+
+    FORMAT is instance, plan, refined, certificate, uncertainty, target-errors, elements,
+    functions, worth, library, project or project-result.
+    """
     module, _, record = SCHEMAS[which].partition(":")
     owner = import_module(f"...{module}", __package__)
     emit_json((getattr(owner, record) if record else owner).json_schema())

@@ -20,7 +20,7 @@ SHOWN = 20
 """Number of approaches in the printed table."""
 
 
-@click.command("screen", short_help="Approaches of catalogued objects to a refined plan.")
+@click.command("screen", short_help="Find approaches of catalogued objects to a refined plan.")
 @param.instance
 @click.argument("refined_path", metavar="REFINED", shell_complete=complete.files)
 @param.files
@@ -58,7 +58,7 @@ def command(
 ) -> int:
     """Find all approaches of the objects in FILE... to the arcs of REFINED.
 
-    Objects move by SGP4. Bodies that a leg leaves or leads to are counted apart.
+    Objects move by SGP4. Bodies that a leg leaves or leads to are counted separately.
     """
     from ...analysis.screening import approaches_csv, conjunction_message, read_errors, screen
     from ...common.files import write_text

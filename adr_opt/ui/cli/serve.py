@@ -28,11 +28,11 @@ PROJECT = "adr-opt-project"
     "instance_path", metavar="[INSTANCE]", required=False, shell_complete=complete.files
 )
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
-@param.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
+@param.count("--port", "N", "Port of 127.0.0.1; by default any free one.", default=0)
 @param.word(
     "--folder",
     "DIR",
-    f"Project folder; INSTANCE-served, or without INSTANCE {PROJECT}, beside this call.",
+    f"Project folder; default INSTANCE-served, or {PROJECT} without INSTANCE, in this folder.",
 )
 @param.flag("--no-open", "Do not open a browser.")
 @param.spoken
@@ -47,9 +47,9 @@ def command(
 ) -> int:
     """Serve a page to edit and plan INSTANCE, beside the report of its plan.
 
-    Without INSTANCE, to begin with a catalogue of objects, or to go on with the project in the
-    folder. The page is served to this machine only, and only at the printed address. Files are
-    written only in the project folder, which is reopened as it was left. Ctrl-C ends it.
+    Without INSTANCE, it begins with a catalogue of objects, or resumes the project in the folder.
+    The page is served to this machine only, and only at the printed address. Files are written
+    only in the project folder, which is reopened as it was left. Ctrl-C ends it.
     """
     try:
         from ..serve.server import Server, listening

@@ -48,7 +48,7 @@ class Uncertain:
     uncertainty_path: str | None
 
     @property
-    def asked(self) -> str:
+    def option(self) -> str:
         """The option that requests a plan of an uncertain mission; empty if none."""
         if self.confidence is not None:
             return "--confidence"
@@ -67,14 +67,14 @@ class Uncertain:
         InputError
             One of the two is missing, or another option is given.
         """
-        if self.asked and self.uncertainty_path is None:
-            raise InputError(f"{self.asked} needs --uncertainty; give both")
-        if self.uncertainty_path is not None and not self.asked:
+        if self.option and self.uncertainty_path is None:
+            raise InputError(f"{self.option} needs --uncertainty; give both")
+        if self.uncertainty_path is not None and not self.option:
             raise InputError("--uncertainty needs --confidence or --expected; give one of them")
         both = {"--expected": self.expected and self.confidence is not None}
-        for option, is_given in (both | others).items():
-            if self.asked and is_given:
-                raise InputError(f"{option} excludes {self.asked}; leave one of them out")
+        for other, is_given in (both | others).items():
+            if self.option and is_given:
+                raise InputError(f"{other} excludes {self.option}; leave one of them out")
 
 
 uncertain_options = param.together(
@@ -92,7 +92,7 @@ uncertain_options = param.together(
 def run_uncertain(
     instance: Instance,
     method: str,
-    asked: Uncertain,
+    uncertain: Uncertain,
     given: RunOptions,
     *,
     as_json: bool,
@@ -103,8 +103,8 @@ def run_uncertain(
     from ...analysis.robust.robust import robust
     from ...problem.uncertainty import Uncertainty
 
-    assert asked.uncertainty_path is not None
-    uncertainty = Uncertainty.load(asked.uncertainty_path)
+    assert uncertain.uncertainty_path is not None
+    uncertainty = Uncertainty.load(uncertain.uncertainty_path)
     how: dict[str, Any] = {
         "time_limit": given.time_limit,
         "seed": given.seed,
@@ -114,9 +114,9 @@ def run_uncertain(
 
     def made(stop: Stop, progress: Progress) -> Result:
         how.update(stop=stop, progress=progress)
-        if asked.confidence is None:
+        if uncertain.confidence is None:
             return expected(instance, uncertainty, method, **how).result
-        confidence, bound = asked.confidence, given.bound
+        confidence, bound = uncertain.confidence, given.bound
         return robust(instance, uncertainty, confidence, method, bound=bound, **how).result
 
     result = work(made, live=wanted(as_json, quiet), quiet=quiet)
@@ -244,7 +244,7 @@ def command(
         )
         result = looped.result
         say_notes(result, quiet)
-    elif uncertain.asked:
+    elif uncertain.option:
         result = run_uncertain(instance, method, uncertain, given, as_json=as_json, quiet=quiet)
     else:
         result = run_method(PLANNERS, problem, method, given, as_json=as_json, quiet=quiet)

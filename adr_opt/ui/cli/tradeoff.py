@@ -11,7 +11,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import designs, param
 from .output import emit_json, emit_rich, say, say_written
-from .parameters import check_outs
+from .parameters import admitted_plan, check_outs
 from .study_files import check_folder, check_picture, write_picture, write_points
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...common.stop import Stop
 
 
-@click.command("tradeoff", short_help="Plans and bounds over budgets, durations, drives, designs.")
+@click.command("tradeoff", short_help="Trade off budgets, durations, drives or designs.")
 @param.instance
 @param.many(
     "--vary",
@@ -47,14 +47,15 @@ if TYPE_CHECKING:
 @param.number("--launch-cost", "EUR", "Of designs: euros for each launch.")
 @param.number("--kit-cost", "EUR", "Of designs: euros for each kit.")
 @param.number("--kg-cost", "EUR", "Of designs: euros for each kilogram at launch.")
+@param.many("--start", "PLAN", "Plan of INSTANCE to start from; repeatable.", "start_paths")
 @param.method
 @param.time_limit("Wall-clock limit of each run; default 10 s.")
 @param.seed
 @param.processes
 @param.file(
     "--out",
-    "CSV table to write; beside it FILE.jsonl, from which the same call resumes. Any other name: "
-    "that file alone.",
+    "CSV table to write, with a .jsonl file beside it from which the same call resumes; any name "
+    "but .csv: the latter file alone.",
 )
 @param.page
 @param.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
@@ -69,6 +70,7 @@ def command(
     launch_cost: float | None,
     kit_cost: float | None,
     kg_cost: float | None,
+    start_paths: tuple[str, ...],
     method: str | None,
     time_limit: float | None,
     seed: int,
@@ -106,8 +108,9 @@ def command(
     check_picture(plot_path)
     priced = any(cost is not None for cost in costs)
     if priced or worth_path or any(KINDS[axis.kind].of_designs for axis in axes):
-        if frontier_path is not None:
-            raise InputError("--frontier: designs have none; leave it out")
+        for sign, unused in (("--frontier", frontier_path), ("--start", start_paths)):
+            if unused:
+                raise InputError(f"{sign}: designs have none; leave it out")
         return designs.study(
             instance_path,
             instance,
@@ -123,7 +126,9 @@ def command(
         check_folder(plans, instance_path)
     rows = out if out is None else _rows_of(out)
     results = [frontier_path, plot_path, page_path, out]
-    check_outs(results if rows == out else [*results, rows], instance_path)
+    read = (instance_path, *start_paths)
+    check_outs(results if rows == out else [*results, rows], *read)
+    starts = [admitted_plan(instance_path, path) for path in start_paths]
     if frontier_path is not None:
         check_frontier(instance, axes)
         axes = axes or [Axis("duration", (instance.mission.duration_s,))]
@@ -148,6 +153,7 @@ def command(
             jobs=jobs,
             cluster=cluster,
             path=rows,
+            starts=starts,
             stop=stop,
             told=told,
         )
@@ -165,7 +171,7 @@ def command(
     if page_path is not None:
         write_page(page_path, traded_page(made, endings))
     if plot_path is not None:
-        from ..plot.studies import tradeoff_chart
+        from ..plot.fronts import tradeoff_chart
 
         write_picture(tradeoff_chart(made, made.axes[0].kind), plot_path)
     if plans is not None:

@@ -31,7 +31,7 @@ TOLD = (
 """Fields of a verdict printed by --json under the same names."""
 
 
-@click.command("verify")
+@click.command("verify", short_help="Recompute the bound of CERTIFICATE, and judge PLAN by it.")
 @param.instance
 @click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1, shell_complete=complete.files)
 @click.option(
@@ -40,7 +40,9 @@ TOLD = (
     metavar="N",
     help="Number of connections to fly again by the physics of 'check'; default 1000.",
 )
-@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of their choice; default 0.")
+@click.option(
+    "--seed", type=click.IntRange(0), default=0, help="Seed for choosing them; default 0."
+)
 @param.file("--labels", "Closed labels to check, in place of a search for them.")
 @param.file("--save-labels", "Closed labels to write, for --labels.")
 @param.as_json
@@ -55,8 +57,8 @@ def command(
 ) -> int:
     """Recompute the bound of CERTIFICATE for INSTANCE, and judge PLAN by it.
 
-    By a program of its own, which shares with planners and proofs the connections alone. Without
-    PLAN the bound is verified alone. Ctrl-C leaves at once. Exit status 1: refused.
+    A separate program does so, which shares only the connections with planners and proofs.
+    Without PLAN, the bound alone is verified. Ctrl-C ends it at once. Exit status 1: refused.
     """
     if not 1 <= len(paths) <= 2:
         raise InputError("verify takes an instance, a plan and a certificate; name all three")

@@ -21,15 +21,15 @@ ENVIRONMENT = "environment"
 
 @click.command("warm-up", short_help="Compile the kernels of methods once for all runs.")
 @click.argument("methods", nargs=-1, metavar="[METHOD]...", shell_complete=complete.methods)
-@param.count("--jobs", "N", "Number of processes; one for each core.")
+@param.count("--jobs", "N", "Number of processes; by default one for each core.")
 @param.spoken
 def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bool) -> int:
     """Compile the kernels of METHODs, by default of all planners and bounds.
 
-    The METHOD environment, which is among them, stands for what training calls.
+    METHOD may also be environment, for the kernels that training calls.
 
-    Compiled kernels are kept in a folder of the user, which ADR_OPT_CACHE_DIR names, and no run
-    compiles them again until they change. Exit status 1: they cannot be kept.
+    Compiled kernels are kept in a folder of the user, or in the one that ADR_OPT_CACHE_DIR names,
+    and no run compiles them again until they change. Exit status 1: they cannot be kept.
     """
     from ...kernels.core import cache
     from ...run.methods import BOUNDS, PLANNERS, names

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...problem.instance import Instance
 
 
-@click.command("windows", short_help="Capture windows of targets: light, Sun, contacts.")
+@click.command("windows", short_help="Find capture windows of targets: light, Sun, contacts.")
 @param.instance
 @param.flag("--light", "Capture only in full sunlight.")
 @param.number(
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 @param.many(
     "--contact",
     "NAME",
-    "Ground stations that see the target, of --stations or public ones, between commas; "
-    "repeatable, and one of them suffices.",
+    "Ground stations, public or of --stations, separated by commas: one of them must see the "
+    "target; repeatable.",
     "contacts",
 )
 @param.file("--stations", "CSV file: name,latitude_deg,longitude_deg,altitude_m.")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ...sources.worth import Bodies, Satcat
 
 
-@click.command("worth", short_help="Worth of removing each object, as prizes for 'import'.")
+@click.command("worth", short_help="Rate the removal of each object, as prizes for 'import'.")
 @param.files
 @param.file("--out", "CSV file of prizes to write: object,prize,mass.", required=True)
 @param.satcat

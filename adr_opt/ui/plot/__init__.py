@@ -21,9 +21,10 @@ from __future__ import annotations
 from ...plan.phases import COLOURS, LABELS, PHASES
 from .budget import delta_v_left, leg_delta_v, mass
 from .courses import altitude, earth, keep_out_zones, nodes, orbits, path
+from .fronts import tradeoff
 from .gantt import Segment, gantt, segments
 from .nodes import matrix, planes
-from .studies import approaches, tradeoff
+from .studies import approaches
 
 __all__ = [
     "COLOURS",

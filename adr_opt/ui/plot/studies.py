@@ -1,83 +1,21 @@
-"""Charts of studies: trade-offs, designs, worth of removals, scenarios and rehearsals."""
+"""Charts of studies: approaches, worth of removals, scenarios and rehearsals."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ...analysis.rehearse.rehearsals import Rehearsals
 from ...analysis.screening import CloseApproach
-from ...analysis.trade.axes import KINDS, AxisKind
 from ...common.constants import DAY_S
 from ...plan.palette import CHASERS
 from ...sources.worth import RemovalWorth
 from ...sources.worth.bodies import ends_km
-from .chart import KM_M, Chart, ChartAxis, Line, Link, Marks, draw
-
-if TYPE_CHECKING:
-    from ...analysis.design.results import DesignStudy
-    from ...analysis.trade.points import Tradeoff
-
-
-def tradeoff_chart(made: Tradeoff, kind: str) -> Chart:
-    """Prizes of the best plans against a limit, with bands up to the bounds or the sum of prizes.
-
-    There is a line for each combination of the values of the other axes.
-    """
-    along, others = KINDS[kind], [axis.kind for axis in made.axes if axis.kind != kind]
-    rows = made.along(kind)
-    most = math.fsum(target.greatest_prize for target in made.instance.targets)
-    lines = []
-    for at, (values, row) in enumerate(rows.items()):
-        pairs = zip(others, values, strict=True)
-        name = ", ".join(named(KINDS[other], value) for other, value in pairs)
-        there = [point for point in row if math.isfinite(point.prize)]
-        bounds = [point.upper_bound for point in there]
-        lines.append(
-            Line(
-                name=name if len(rows) > 1 else "plans, and up to the bound",
-                colour=CHASERS[at % len(CHASERS)],
-                width=2.0,
-                dots=True,
-                x=[point.value(kind) / along.scale for point in there],
-                y=[point.prize for point in there],
-                below=[bound if math.isfinite(bound) else most for bound in bounds],
-            )
-        )
-    return Chart(tuple(lines), ChartAxis(along.title), ChartAxis("prize"))
-
-
-def named(kind: AxisKind, value: float) -> str:
-    """A limit and its value."""
-    return f"{kind.name} {value / kind.scale:,g} {kind.unit}"
-
-
-def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
-    """Add prizes of the best plans, with a band up to the bounds; a line for each value of others.
-
-    Where nothing is proven the band reaches up to all prizes.
-
-    Parameters
-    ----------
-    made : Tradeoff
-    kind : {"delta-v", "propellant", "duration", "thrust", "isp"}, optional
-        What goes along the axis; the first that is varied by default.
-    """
-    return draw(ax, tradeoff_chart(made, kind or made.axes[0].kind))
-
-
-MILLION = 1e6
-
-FRONT, PLANS, BOUNDS = "Pareto front", "avoided by the plan of a design", "no plan avoids more"
-
-
-def anchor(at: int) -> str:
-    """Name of a design's section on a page, by its place in the study."""
-    return f"design-{at + 1}"
+from .chart import KM_M, Chart, ChartAxis, Line, Marks, draw
 
 
 def approaches_chart(found: Sequence[CloseApproach]) -> Chart:
@@ -100,39 +38,6 @@ def approaches(ax: Any, found: Sequence[CloseApproach]) -> Any:
         As :func:`adr_opt.analysis.screening.screen` finds them.
     """
     return draw(ax, approaches_chart(found))
-
-
-def designs_chart(study: DesignStudy) -> Chart:
-    """Worth of the chosen sets against euros: a dot for each design, and one for its bound."""
-    points, front = study.points, study.front
-    there = [at for at, point in enumerate(points) if point.plan is not None]
-    euros = [points[at].euros / MILLION for at in there]
-    links = [Link(f"#{anchor(at)}", f"{at + 1}: {points[at].design.title}") for at in there]
-    series = (
-        Line(
-            name=FRONT,
-            colour=CHASERS[0],
-            width=2.0,
-            step=True,
-            x=[points[at].euros / MILLION for at in front],
-            y=[points[at].worth for at in front],
-        ),
-        Marks(
-            name=PLANS, colour=CHASERS[0], x=euros, y=[points[at].worth for at in there], of=links
-        ),
-        Marks(
-            name=BOUNDS,
-            colour=CHASERS[1],
-            symbol="circle-open",
-            size=7.0,
-            x=euros,
-            y=[points[at].bound for at in there],
-        ),
-    )
-    unit = study.rating.unit
-    return Chart(
-        series, ChartAxis("million euros"), ChartAxis(f"{unit} avoided" if unit else "prize")
-    )
 
 
 STEP_KM, HIGHEST_KM = 50.0, 2000.0

@@ -34,12 +34,9 @@ def drawn(
     """
     width, height = size
     lines = [line for line in chart.series if isinstance(line, (Line, Marks))]
-    xs = [x for line in lines for x in line.x] or [0.0, 1.0]
     below = [y for line in lines if isinstance(line, Line) for y in line.below]
     ys = [*(y for line in lines for y in line.y), *below] or [0.0, 1.0]
-    x_low, x_high = min(xs), max(xs)
-    if x_low == x_high:
-        x_low, x_high = x_low - 1.0, x_high + 1.0
+    x_low, x_high = ends(chart)
     low = 0.0 if from_zero else min(ys)
     y_ticks = ticks(low, max(*ys, low + 1e-9))
     y_low, y_high = y_ticks[0], y_ticks[-1]
@@ -61,6 +58,13 @@ def drawn(
         f'aria-label="{escape(caption)}">{"".join(parts)}</svg>'
         f"<figcaption>{legend}</figcaption></figure>"
     )
+
+
+def ends(chart: Chart) -> tuple[float, float]:
+    """Values at the left and the right end of the horizontal axis."""
+    xs = [x for line in chart.series if isinstance(line, (Line, Marks)) for x in line.x]
+    low, high = min(xs, default=0.0), max(xs, default=1.0)
+    return (low, high) if low < high else (low - 1.0, high + 1.0)
 
 
 def _key(line: Series) -> str:

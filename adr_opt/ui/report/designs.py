@@ -13,7 +13,7 @@ from ...common.wording import counted
 from ...plan.plan import Leg
 from ...plan.routes import routes_of
 from ...sources.worth.answer import figure
-from ..plot.studies import MILLION, anchor, designs_chart
+from ..plot.fronts import MILLION, anchor, designs_chart
 from . import plain
 from .charts import drawn
 from .plain import page, section

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from ...analysis.trade.axes import KINDS
 from ...analysis.trade.frontier import Ending
 from ...analysis.trade.points import Point, Tradeoff
 from ...common.constants import DAY_S
 from ...common.wording import counted, status_words
 from ...plan.palette import CHASERS
 from ..plot.chart import Chart, ChartAxis, Line
-from ..plot.studies import named, tradeoff_chart
+from ..plot.fronts import named, tradeoff_chart
 from .charts import drawn
 from .plain import page, section, table_of
 from .text import NOTHING, fixed, number
@@ -121,7 +120,7 @@ def _frontier_chart(endings: Sequence[Ending]) -> str:
     lines = []
     for at, tank_m_s in enumerate(tanks):
         own = [ending for ending in endings if ending.tank_m_s == tank_m_s]
-        name = "plans" if len(tanks) == 1 else named(KINDS["delta-v"], tank_m_s)
+        name = "plans" if len(tanks) == 1 else named(["delta-v"], [tank_m_s])
         lines.append(
             Line(
                 name=name,

@@ -173,7 +173,7 @@ class Backend:
         answer = parse_json(read_text(refuse_link(place / ANSWER)), where)
         try:
             return points_of(place, answer)
-        except (ValueError, LookupError, TypeError):
+        except (ValueError, LookupError, TypeError, ArithmeticError):
             raise InputError(f"{where} is spoilt") from None
 
     def show(self, request: ShowRequest) -> None:

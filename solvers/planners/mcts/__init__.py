@@ -19,7 +19,7 @@ from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
-from ...beams.recreate import recreate
+from ...beams.varied_beams import recreate
 from ...progress.incumbent import Incumbent
 from . import policy as policies
 from . import tree as trees

@@ -17,6 +17,9 @@ from .verbs import VERBS, JobVerb, unsure
 
 REFINED, CERTIFICATE = "refined.json", "certificate.json.gz"
 
+MOST_STARTS = 10
+"""Number of plans that are there already from which a trade-off starts."""
+
 NO_CERTIFICATE = "there is no certificate for this plan; prove a bound with one first"
 
 
@@ -148,6 +151,11 @@ class JobInputs:
         more = ["--refine", *self._around(request)] if plans else []
         if known is not None and not plans:
             file = self._of(self._session.results.record(known), INSTANCE)
+            if request.verb == "tradeoff" and not _of_designs(request):
+                there = self._session.results.legal_of(instance.sha256)[:MOST_STARTS]
+                starts = [f"--start={self._of(record, PLAN)}" for record in there]
+                numbers = tuple(sorted(record.number for record in there))
+                return JobCommand([file, *starts], numbers or (known,), instance.sha256)
             return JobCommand([file], (known,), instance.sha256)
         if place is not None:
             instance.save(place / INSTANCE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,9 @@ from ....common.errors import InputError
 from ....judge.admit import admit
 from ....plan.plan import Plan
 from ....problem.instance import Instance
+from ...plot.chart import Link
+from ...plot.fronts import MILLION, Spot, bands_chart, front_chart, named
+from ...report.charts import BOTTOM, LEFT, RIGHT, drawn, ends
 from .private import refuse_link
 
 PLANS = "plans"
@@ -25,11 +29,12 @@ FIELDS = {
 }
 """Varied limits of points, in SI units."""
 
-MILLION = 1e6
+IN_DESK = 420, 240
+"""Size of the chart beside the list of results [px]."""
 
 
 def points_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
-    """Points of a trade-off as JSON data, for a plot and a table.
+    """Points of a trade-off as JSON data, and their chart, in which they lead to their plans.
 
     Parameters
     ----------
@@ -40,30 +45,49 @@ def points_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
     """
     kinds = [kind for kind in answer["varied"] if kind in KINDS]
     of_designs = "unit" in answer
-    titles = [KINDS[kind].title for kind in kinds]
-    across = titles[0]
-    if of_designs:
-        titles, across = [*titles, "million euros"], "million euros"
+    titles = [KINDS[kind].title for kind in kinds] + ["million euros"] * of_designs
+    across = len(kinds) if of_designs else 0
     there = set(_files(place))
-    rows = []
+    told, rows, front = [], dict[str, list[Spot]](), []
     for at, point in enumerate(answer["points"], start=1):
         if of_designs:
             values = [point["design"].get(kind) for kind in kinds]
             values.append(None if point["euros"] is None else point["euros"] / MILLION)
+            prize, bound, row = point["worth"], point["bound"], ""
         else:
             values = [point[FIELDS[kind]] / KINDS[kind].scale for kind in kinds]
-        rows.append(
-            {
-                "point": at,
-                "values": values,
-                "prize": point["worth" if of_designs else "prize"],
-                "bound": point["bound" if of_designs else "upper_bound"],
-                "has_plan": at in there,
-            }
+            prize, bound = point["prize"], point["upper_bound"]
+            row = named(kinds[1:], [point[FIELDS[kind]] for kind in kinds[1:]])
+        told.append(
+            {"point": at, "values": values, "prize": prize, "bound": bound, "has_plan": at in there}
         )
-    prize = answer["unit"] if of_designs else "prize"
-    told = {"titles": titles, "across": titles.index(across), "prize": prize, "points": rows}
-    return told | {"kind": None if of_designs else kinds[0]}
+        if not (_known(values[across]) and _known(prize)):
+            continue
+        said = (f"{title} {value:.5g}" for title, value in zip(titles, values, strict=True))
+        link = Link(f"#{at}", ", ".join((*said, f"prize {prize:.5g}"))) if at in there else None
+        spot = Spot(values[across], prize, bound if _known(bound) else prize, link)
+        rows.setdefault(row, []).append(spot)
+        if point.get("on_front"):
+            front.append(spot)
+    unit = answer["unit"] if of_designs else "prize"
+    chart = (
+        front_chart(sorted(front, key=lambda spot: spot.x), rows.get("", ()), unit)
+        if of_designs
+        else bands_chart(rows, titles[0])
+    )
+    return {
+        "titles": titles,
+        "across": across,
+        "prize": unit,
+        "points": told,
+        "kind": None if of_designs else kinds[0],
+        "chart": drawn(chart, "Points", IN_DESK),
+        "ends": [*ends(chart), LEFT, IN_DESK[0] - RIGHT, IN_DESK[1] - BOTTOM],
+    }
+
+
+def _known(value: float | None) -> bool:
+    return value is not None and math.isfinite(value)
 
 
 def plan_of_point(place: Path, point: int) -> tuple[Instance, Plan]:

@@ -16,7 +16,7 @@ from ....common.files import read_model, write_text
 from ....judge.admit import admit
 from ....plan.plan import Plan
 from ....problem.instance import Instance
-from .plan_files import INSTANCE, PLAN, load_kept, of_plan, unfinished
+from .plan_files import INSTANCE, NOT_LEGAL, PLAN, load_kept, of_plan, unfinished
 from .private import private_folder
 from .record import KEPT_VERBS, ResultRecord
 
@@ -191,6 +191,16 @@ class Results:
                 if record.instance_sha256 == instance_sha256 and record.has_plan:
                     return number
         return None
+
+    def legal_of(self, instance_sha256: str) -> list[ResultRecord]:
+        """Legal plans of an instance, the best first."""
+        found = (
+            record
+            for record in self.all()
+            if record.has_plan
+            and (record.instance_sha256, record.status == NOT_LEGAL) == (instance_sha256, False)
+        )
+        return sorted(found, key=lambda record: -(record.objective or 0.0))
 
     def _remember(self, number: int, known: tuple[Instance, Plan]) -> None:
         self._ready[number] = known

@@ -1,4 +1,4 @@
-"""Earliest end of plans with equal prize, proven by shorter missions.
+"""The least cost at the best prize: the next task of engines once prizes are proven.
 
 Where the cost is the end of the last service, a plan costs less than D exactly if it is a plan of
 the same mission with the duration D. So no plan worth as much ends before D if what a mission of
@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import Stop
@@ -22,6 +21,9 @@ from adr_opt.mission.result import Result
 from ..progress.cost_rounds import RELATIVE, least_worth_of
 from ..progress.gap import GapTracker
 from ..progress.halting import ShareOfTime
+
+Over = Callable[[], bool]
+Bounded = tuple[float, dict[str, float]]
 
 JUST_BELOW = 0.9 * RELATIVE
 """Relative distance below the known end at which the first duration is tested, within tolerance."""
@@ -48,13 +50,9 @@ class _Answered(ShareOfTime):
         return incumbent >= self._goal or bound < self._goal or super().__call__(incumbent, bound)
 
 
-def prove_end(
-    problem: Problem,
-    certificate: GapTracker,
-    stop: Stop,
-    solve: Callable[[Any, Stop], Result],
-    offer: Callable[[Result], bool],
-) -> tuple[float, dict[str, float]]:
+def _prove_end(
+    problem: Problem, certificate: GapTracker, stop: Stop, solve: Callable[[Problem, Stop], Result]
+) -> Bounded:
     """Prove the earliest end of plans with at least the incumbent's worth.
 
     Parameters
@@ -62,13 +60,11 @@ def prove_end(
     problem : Problem
         Whose cost is the end of the last service.
     certificate : GapTracker
-        With a plan that is proven to be worth most.
+        With a plan that is proven to be worth most; told of those that end sooner.
     stop : Stop
         Its time alone counts here.
     solve : callable
         Plans and bounds a problem as far as a stop lets it.
-    offer : callable
-        Hands the plan of a result to the certificate; whether it is a better one.
 
     Returns
     -------
@@ -96,6 +92,56 @@ def prove_end(
             ruled_out = end
             if math.isinf(open_from):
                 break
-        elif found.plan is None or problem.worth(found.objective) < goal or not offer(found):
+        elif (
+            found.plan is None
+            or problem.worth(found.objective) < goal
+            or not certificate.offer(*found.routes)
+        ):
             open_from = end
     return ruled_out, {"ends_asked": asked_about}
+
+
+def cheapest(
+    problem: Problem,
+    certificate: GapTracker,
+    stop: Stop,
+    prove: Callable[[Over], Bounded],
+    again: Callable[[Problem, Stop], Result],
+    *,
+    by_rounds: bool,
+) -> tuple[float | None, dict[str, float]]:
+    """Lower the cost of a plan whose prizes are proven, and prove a bound on it.
+
+    Parameters
+    ----------
+    problem : Problem
+    certificate : GapTracker
+        With the plan, if there is one; told of cheaper ones.
+    stop : Stop
+    prove : callable
+        Proves the least ΔV or expense until it is told that it is over: the bound, and counters.
+    again : callable
+        Plans a shorter mission exactly, where the cost is the end.
+    by_rounds : bool
+        Ask the criterion itself once a round; otherwise its time alone counts.
+
+    Returns
+    -------
+    bound : float or None
+        No plan that collects as much costs less; None where nothing was asked.
+    counters : dict
+    """
+
+    def over() -> bool:
+        enough = by_rounds and stop(certificate.incumbent, certificate.bound)
+        return enough or stop.remaining_s() <= 0.0
+
+    if not certificate.proven or certificate.routes is None or (by_rounds and over()):
+        return None, {}
+    if problem.instance.objective.cost != "duration":
+        # Of several chasers the last step would take a route's worth for its greatest.
+        knows = problem.falls is None or problem.alone is not None
+        return prove(over) if knows else (None, {})
+    if by_rounds and stop.remaining_s() == float("inf"):
+        return None, {}  # it asks for whole plans, not for rounds
+    return _prove_end(problem, certificate, stop, again)
