@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from calling import call
-from exact_variants import variant
 from hand_made import hand_made
 from on_a_layer import best_on_layer
+from varied_fields import variant
 
 import adr_opt
 from adr_opt.common.constants import STATION

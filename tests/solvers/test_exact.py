@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from calling import call
-from exact_variants import variant
 from judge import accepted
 from resonant_fields import RARE, resonant
 from seeds import over_seeds
+from varied_fields import variant
 
 import adr_opt
 from adr_opt.common.errors import MissingExtra
