@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 import pytest
-from exact_variants import variant
 from random_rules import falling_mission
 from seeds import over_seeds
+from varied_fields import variant
 from verify_fields import FEW, laden, legs_for, proven, refuelling, towing_and_laden, worths_of
 
 from adr_opt.common.errors import InputError

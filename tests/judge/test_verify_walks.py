@@ -7,7 +7,6 @@ from fractions import Fraction
 
 import numpy as np
 from brute_force import brute_force
-from exact_variants import variant
 from random_rules import (
     drifting_mission,
     falling_mission,
@@ -16,6 +15,7 @@ from random_rules import (
     towing_mission,
 )
 from seeds import over_kinds
+from varied_fields import variant
 from verify_fields import laden, legs_for, refuelling, towing_and_laden, worths_of
 
 from adr_opt.judge.verify.legs import losses_of

@@ -12,7 +12,6 @@ import pytest
 from conftest import Cli, refused
 
 from adr_opt.common.errors import InputError
-from adr_opt.plan.plan import load_plan
 from adr_opt.problem.settings import KeepOutZone
 
 Content = dict[str, Any]
@@ -377,14 +376,3 @@ def test_plan_of_another_instance(cli: Cli, tiny_file: Path) -> None:
     for verb, more in VERBS_OF_PLANS.items():
         outcome = cli(verb, "other.json", "plan.json", *more)
         refused(outcome, "plan.json: ", "'tiny-000'", "'tiny-001'")
-
-
-def test_no_targets_is_a_mission_without_legs(cli: Cli) -> None:
-    """An empty list of targets is valid: the plan has no legs and passes every verb."""
-    cli("generate", "tiny", "--targets", "0", "--out", "empty.json")
-    for method in ("greedy", "greedy-guarded"):
-        solved = cli("solve", "empty.json", "--method", method, "--out", "plan.json")
-        assert solved.status == 0
-        assert "visits 0 of 0" in solved.out
-        assert load_plan("plan.json").legs == ()
-        assert cli("check", "empty.json", "plan.json").status == 0
