@@ -33,7 +33,7 @@ from adr_opt.learning.evaluation import chosen
 from adr_opt.learning.held_out import HeldFields
 from adr_opt.learning.policy import Policy
 from adr_opt.learning.training.configs import POLICY, PUBLISHED_CONFIG, Config
-from adr_opt.learning.training.network import SetNetwork
+from adr_opt.learning.training.policy_network import SetNetwork
 from adr_opt.learning.training.trainer import train
 from adr_opt.mission.mission import Mission
 from solvers.proof import proof

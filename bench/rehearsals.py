@@ -3,7 +3,6 @@
 python bench/rehearsals.py speed
 python bench/rehearsals.py scenarios --rehearsals 100 --worlds 30 --limit 20
 python bench/rehearsals.py robust --count 5 --limit 60
-python bench/rehearsals.py charges --count 5000
 python bench/rehearsals.py campaign CATALOGUE --limit 60 --replanned 20 --worlds 5
 python bench/rehearsals.py replan --seeds 0 1 2 --days 2 3 4
 python bench/rehearsals.py paired --fields 3 --worlds 10
@@ -33,7 +32,6 @@ from adr_opt.analysis.robust.expected import expected as expected_plan
 from adr_opt.analysis.robust.robust import robust as robust_plan
 from adr_opt.common.clock import count_processor_time
 from adr_opt.common.constants import DAY_S
-from adr_opt.legs.corrections import Moments, RiskCharge
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance
@@ -231,27 +229,6 @@ def worth(instance: Instance, plan: Plan, uncertainty: Uncertainty) -> float:
     worths, number = TryWorths(instance, uncertainty), {n: i for i, n in enumerate(instance.names)}
     targets = {target.name for target in instance.targets}
     return math.fsum(worths.most(number[name]) for name in plan.destinations if name in targets)
-
-
-def charges(count: int = 5000) -> None:
-    """What the charges on legs take of drawn tanks that are just kept (docs/model.md, 13.4)."""
-    rng, taken = np.random.default_rng(0), []
-    while len(taken) < count:
-        legs, score = int(rng.integers(1, 20)), float(rng.uniform(0.0, 3.5))
-        factor, sigma = np.exp(rng.uniform(-0.1, 0.1, legs)), rng.uniform(0.0, 0.3, legs)
-        size = rng.exponential(1.0, legs) ** rng.uniform(0.3, 2.0)
-        # Without a share that can be used, what a tank has to hold grows with its legs.
-        full = float((factor * size).sum() + score * np.sqrt(((sigma * size) ** 2).sum()))
-        factors = {
-            (str(leg), "short"): Moments(float(factor[leg]), float(sigma[leg]))
-            for leg in range(legs)
-        }
-        charge = RiskCharge(score, full, factors=factors)
-        total = sum(float(charge.charged(str(leg), "short", size[leg])) for leg in range(legs))
-        taken.append(total / full)
-    head("tanks", "5 % take less than", "half take less than", "most")
-    low, middle = np.quantile(taken, [0.05, 0.5])
-    row(count, f"{low:.1%}", f"{middle:.1%}", f"{max(taken):.4%}")
 
 
 def campaign(
@@ -483,6 +460,4 @@ def expected(
 
 
 if __name__ == "__main__":
-    sys.exit(
-        experiment(__doc__, speed, scenarios, robust, charges, campaign, replan, paired, expected)
-    )
+    sys.exit(experiment(__doc__, speed, scenarios, robust, campaign, replan, paired, expected))

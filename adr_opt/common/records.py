@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+)
 
 from .constants import DAY_S
 from .errors import InputError
@@ -97,6 +104,22 @@ class Record(BaseModel, metaclass=_Listed):
             return type(self)(**(values | changes))
         except ValidationError as error:
             raise InputError(sentence(error)) from None
+
+
+class Omitting(Record):
+    """A record without its unset fields in files, so that older files stay as they are.
+
+    Attributes
+    ----------
+    OMITTED : tuple of str
+        Fields that are left out where they are null.
+    """
+
+    OMITTED: ClassVar[tuple[str, ...]] = ()
+
+    @model_serializer(mode="wrap")
+    def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), *self.OMITTED)
 
 
 def without(content: dict[str, Any], *unset: str) -> dict[str, Any]:

@@ -62,10 +62,11 @@ def sentence(error: ValidationError) -> str:
     more = f" (and {others} more)" if others else ""
     if first["loc"] == ("format",) and first["type"] == "literal_error":
         # All other errors follow from this one.
-        more = "; this is a file of another kind"
+        same = f"'{str(first['input']).partition('/')[0]}/" in first["msg"]
+        more = f"; this is {'another version of it' if same else 'a file of another kind'}"
     if not field:
         # a rule between fields, which names them itself
-        return f"{said if said.startswith('field ') else 'the file ' + said}{more}"
+        return f"{said if re.match(r'field |[a-z_]+ = ', said) else 'the file ' + said}{more}"
     if first["type"] == "missing":
         return f"field {field}: missing; add it{more}"
     if instead is not None:

@@ -14,8 +14,8 @@ from ..common.errors import MissingExtra
 if TYPE_CHECKING:
     from .evaluation import Evaluation, evaluate
     from .policy import Policy, load_policy
-    from .training.network import SetPolicy
     from .training.own import write_policy
+    from .training.policy_network import SetPolicy
 
 __all__ = ["Evaluation", "Policy", "SetPolicy", "evaluate", "load_policy", "write_policy"]
 
@@ -24,7 +24,7 @@ _HOMES = {
     "evaluate": ".evaluation",
     "Policy": ".policy",
     "load_policy": ".policy",
-    "SetPolicy": ".training.network",
+    "SetPolicy": ".training.policy_network",
     "write_policy": ".training.own",
 }
 

@@ -78,7 +78,7 @@ def _load_installed() -> None:
             except Exception as error:
                 raise InputError(
                     f"the legs {entry.name!r} of an installed package cannot be registered "
-                    f"({error}); mend or uninstall {entry.value.partition(':')[0]!r}"
+                    f"({error}); update or uninstall {entry.value.partition(':')[0]!r}"
                 ) from error
 
 

@@ -8,7 +8,7 @@ import math
 import os
 from collections.abc import Iterable
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model
 from ..common.card import Shown
 from ..common.errors import InputError
 from ..common.files import read_model, to_text, write_text
-from ..common.records import DeltaV, Name, NonNegative, Positive, Record, Time, without
+from ..common.records import DeltaV, Name, NonNegative, Omitting, Positive, Record, Time, without
 from ..problem.instance import Instance
 from ..problem.settings import Objective
 from .impulses import impulses_of
@@ -48,9 +48,6 @@ Reason = Literal[
 ]
 
 Vector = tuple[DeltaV, DeltaV, DeltaV]
-
-OMITTED = "mass_kg", "tow", "manoeuvres", "mass_class_kg", "vented_kg"
-"""Fields of a leg omitted from the file if None."""
 
 
 class InstanceReference(Record):
@@ -145,7 +142,7 @@ class Tow(Record):
         return math.fsum(burn.size_m_s for burn in self.burns if burn.phase == "return")
 
 
-class Leg(Shown, Record):
+class Leg(Shown, Omitting):
     """A transfer with the service that follows it.
 
     ``ready_s`` is when the chaser is free at the origin, ``departure_s`` the node crossing (of a
@@ -186,9 +183,7 @@ class Leg(Shown, Record):
     mass_class_kg: Positive | None = None
     vented_kg: NonNegative | None = None
 
-    @model_serializer(mode="wrap")
-    def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), *OMITTED)
+    OMITTED: ClassVar = ("mass_kg", "tow", "manoeuvres", "mass_class_kg", "vented_kg")
 
     @property
     def traits(self) -> LegKind:

@@ -6,11 +6,11 @@ changed afterwards does not go for a flown one.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import Field
 
-from ..common.records import Count, DeltaV, Name, Record, without
+from ..common.records import Count, DeltaV, Name, Omitting, Record
 from .leg_kinds import OneOf, flown_kind_names, leg_kind
 
 TOW = "tow"
@@ -37,16 +37,14 @@ class FamilyFlight(Record):
         )
 
 
-class TankLeft(Record):
+class TankLeft(Omitting):
     """ΔV left in one tank, negative if it did not suffice; null if unknown."""
 
     chaser: Name | None = None
     tank: Annotated[int, Field(ge=1)]
     left_m_s: DeltaV | None
 
-    @model_serializer(mode="wrap")
-    def _without_chaser(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "chaser")
+    OMITTED: ClassVar = ("chaser",)
 
 
 class PlanFlight(Record):

@@ -9,17 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
-from pydantic import (
-    AfterValidator,
-    Field,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-    model_validator,
-)
+from pydantic import AfterValidator, Field, model_validator
 
-from ..common.records import LARGEST_MASS_KG, Count, Name, Record, Window, check_window, without
+from ..common.records import LARGEST_MASS_KG, Count, Name, Omitting, Window, check_window
 from .capture_windows import intervals_of, joined, windows_from
 from .disposal import Disposal
 from .orbit import Decay, Fit, Orbit
@@ -126,7 +120,7 @@ ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)
 Removal = Literal["visit", "kit", "tow"]
 
 
-class Station(Record):
+class Station(Omitting):
     """A refuelling station, where chasers may start.
 
     Every arrival of a chaser refuels it, also at the end of its route.
@@ -155,12 +149,10 @@ class Station(Record):
         """Whether the station's supply of propellant or refuellings is limited."""
         return self.max_refuellings is not None or self.max_propellant_kg is not None
 
-    @model_serializer(mode="wrap")
-    def _without_no_limit(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "max_refuellings", "max_propellant_kg", "object_id")
+    OMITTED: ClassVar = ("max_refuellings", "max_propellant_kg", "object_id")
 
 
-class Target(Record):
+class Target(Omitting):
     """A debris object that may be visited, and the prize for servicing it.
 
     Attributes
@@ -241,13 +233,10 @@ class Target(Record):
         """The kind of service."""
         return SERVICES[self.removal]
 
-    @model_serializer(mode="wrap")
-    def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(
-            write(self),
-            *("object_id", "decay_m_per_day", "fit", "prize_until", "success", "disposal"),
-            *("area_to_mass_m2_kg", "windows_s", "capture_s"),
-        )
+    OMITTED: ClassVar = (
+        *("object_id", "decay_m_per_day", "fit", "prize_until", "success", "disposal"),
+        *("area_to_mass_m2_kg", "windows_s", "capture_s"),
+    )
 
     @model_validator(mode="after")
     def _has_what_decays(self) -> Self:

@@ -4,18 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import (
-    Discriminator,
-    Field,
-    SerializerFunctionWrapHandler,
-    Tag,
-    ValidationError,
-    model_serializer,
-    model_validator,
-)
+from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
 
 from ..common.constants import EARTH_RADIUS_M, STANDARD_GRAVITY_M_S2
 from ..common.errors import InputError
@@ -27,10 +19,10 @@ from ..common.records import (
     LARGEST_THRUST_N,
     Count,
     Name,
+    Omitting,
     Record,
     Window,
     check_window,
-    without,
 )
 from ..common.sentences import sentence
 from .orbit import Decay, Orbit
@@ -52,7 +44,7 @@ class AtStation(Record):
     station: Name
 
 
-class InOrbit(Record):
+class InOrbit(Omitting):
     """Start in an orbit of its own, which is a body under the chaser's name.
 
     ``decay_m_per_day`` is that of a target at which it waits; in no file that does not state it.
@@ -61,12 +53,10 @@ class InOrbit(Record):
     orbit: Orbit
     decay_m_per_day: Decay | None = None
 
-    @model_serializer(mode="wrap")
-    def _without_no_decay(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "decay_m_per_day")
+    OMITTED: ClassVar = ("decay_m_per_day",)
 
 
-class InsertionOrbit(Record):
+class InsertionOrbit(Omitting):
     """A circle that a launcher reaches at any time, in the plane of any node.
 
     Attributes
@@ -107,9 +97,7 @@ class InsertionOrbit(Record):
             )
         return self
 
-    @model_serializer(mode="wrap")
-    def _without_no_launcher(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "launcher")
+    OMITTED: ClassVar = ("launcher",)
 
     @property
     def most_kg(self) -> float:
@@ -172,7 +160,7 @@ End = Annotated[
 ]
 
 
-class _OfTwoKinds(Record):
+class _OfTwoKinds(Omitting):
     """Base of both kinds of tank: an error in Python is one sentence that names them."""
 
     def __init__(self, /, **values: Any) -> None:
@@ -204,9 +192,7 @@ class Tank(_OfTwoKinds):
         _check_initial("initial_delta_v_m_s", self.initial_delta_v_m_s, self.delta_v_m_s)
         return self
 
-    @model_serializer(mode="wrap")
-    def _without_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return _without(write(self), "initial_delta_v_m_s")
+    OMITTED: ClassVar = ("initial_delta_v_m_s",)
 
     def keeping(self, reserve_m_s: float) -> Tank:
         """The tank less a reserve [m/s]."""
@@ -236,13 +222,6 @@ def _check_initial(field: str, initial: float | None, full: float) -> None:
         raise ValueError(f"{field} = {initial!r}: a full tank holds {full!r}; give no more")
 
 
-def _without(content: dict[str, Any], field: str) -> dict[str, Any]:
-    """The written form of a tank without a default start, so that files stay as they are."""
-    if content.get(field) is None:
-        content.pop(field, None)
-    return content
-
-
 class TankByMass(_OfTwoKinds):
     """A tank counted in propellant, full after refuelling.
 
@@ -268,9 +247,7 @@ class TankByMass(_OfTwoKinds):
         _check_initial("initial_propellant_kg", self.initial_propellant_kg, self.propellant_kg)
         return self
 
-    @model_serializer(mode="wrap")
-    def _without_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return _without(write(self), "initial_propellant_kg")
+    OMITTED: ClassVar = ("initial_propellant_kg",)
 
     def keeping(self, reserve_m_s: float) -> TankByMass:
         """The tank without the propellant that gives a chaser without kits some ΔV [m/s].
@@ -367,7 +344,7 @@ NO_EXPENSE = Expense()
 """Expense of a chaser that states none."""
 
 
-class Chaser(Record):
+class Chaser(Omitting):
     """A spacecraft that visits targets.
 
     Attributes
@@ -417,13 +394,10 @@ class Chaser(Record):
         """Limits on the number of targets visited without refuelling."""
         return self.max_targets, self.max_visits_between_refuels
 
-    @model_serializer(mode="wrap")
-    def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(
-            write(self),
-            *("max_visits_between_refuels", "end_of_life_m_s", "expense", "thrust_n"),
-            "duty_cycle",
-        )
+    OMITTED: ClassVar = (
+        *("max_visits_between_refuels", "end_of_life_m_s", "expense", "thrust_n"),
+        "duty_cycle",
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import (
     AfterValidator,
@@ -11,12 +11,10 @@ from pydantic import (
     BeforeValidator,
     Field,
     PlainSerializer,
-    SerializerFunctionWrapHandler,
-    model_serializer,
     model_validator,
 )
 
-from ..common.records import Record, without
+from ..common.records import Omitting
 
 
 def _is_calendar_time(value: Any) -> Any:
@@ -57,7 +55,7 @@ OF_DATE = ("TEME",)
 """Frames whose axes follow the equator and equinox of date, and so need a date."""
 
 
-class Frame(Record):
+class Frame(Omitting):
     """A frame with fixed axes.
 
     Those of TEME (true equator, mean equinox) are of ``axes_epoch``: of another date they are
@@ -68,9 +66,7 @@ class Frame(Record):
     name: FrameName
     axes_epoch: Epoch | None = None
 
-    @model_serializer(mode="wrap")
-    def _without_no_epoch(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "axes_epoch")
+    OMITTED: ClassVar = ("axes_epoch",)
 
     @model_validator(mode="after")
     def _says_when(self) -> Self:

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import hashlib
 from itertools import chain
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import Field, model_validator
 
 from ..common.constants import DAY_S
 from ..common.errors import InputError
 from ..common.files import to_text
-from ..common.records import Name, Record, without
+from ..common.records import Name, Omitting
 from ..common.tolerance import check_prizes
 from . import format_2
 from .agreement import (
@@ -44,7 +44,7 @@ from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
 from .transfer_sizes import default_step_s
 
 
-class InstanceFile(Record):
+class InstanceFile(Omitting):
     """The fields of an instance; :class:`adr_opt.Instance` is the plannable object.
 
     Attributes
@@ -85,9 +85,7 @@ class InstanceFile(Record):
     ephemerides: EphemeridesFile | None = None
     windows: WindowFile | None = None
 
-    @model_serializer(mode="wrap")
-    def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "frame", "ephemerides", "windows")
+    OMITTED: ClassVar = ("frame", "ephemerides", "windows")
 
     @model_validator(mode="after")
     def _something_drifts(self) -> Self:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
@@ -17,6 +17,7 @@ from ..common.records import (
     Length,
     Name,
     NonNegative,
+    Omitting,
     Positive,
     Record,
     without,
@@ -76,22 +77,11 @@ def check_time_value(time_value_m_s_per_h: float) -> None:
         )
 
 
-NOT_WRITTEN = (
-    "service_revolutions",
-    "service_s",
-    "disposal",
-    "launch_separation_s",
-    "mission_separation_s",
-    "max_lifetime_years",
-    "max_uncontrolled_kg",
-)
-"""Fields omitted from the file if None."""
-
 LARGEST_MASS_CLASS = 1e6
 """Largest width of classes of mass: one class for any tank."""
 
 
-class MissionSettings(Record):
+class MissionSettings(Omitting):
     """Duration of the mission, and time spent at bodies.
 
     Attributes
@@ -153,9 +143,15 @@ class MissionSettings(Record):
             )
         return self
 
-    @model_serializer(mode="wrap")
-    def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), *NOT_WRITTEN)
+    OMITTED: ClassVar = (
+        "service_revolutions",
+        "service_s",
+        "disposal",
+        "launch_separation_s",
+        "mission_separation_s",
+        "max_lifetime_years",
+        "max_uncontrolled_kg",
+    )
 
 
 ApproachName = Literal["half-lap", "safety-ellipse"]
@@ -309,7 +305,7 @@ class TransferSettings(SequenceSettings):
         return without_usual(self, content, "approach", *OF_THE_ELLIPSE, "burns")
 
 
-class Objective(Record):
+class Objective(Omitting):
     """Tie-breaker between plans that collect equal prizes: the least cost.
 
     Attributes
@@ -334,9 +330,7 @@ class Objective(Record):
             )
         return self
 
-    @model_serializer(mode="wrap")
-    def _without_no_price(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "time_m_s_per_day")
+    OMITTED: ClassVar = ("time_m_s_per_day",)
 
     @property
     def asks_for_more(self) -> bool:

@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 import os
 from statistics import NormalDist
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ..common.errors import InputError
 from ..common.files import read_model, to_text, write_text
-from ..common.records import LARGEST_DURATION_S, Name, Record, without
+from ..common.records import LARGEST_DURATION_S, Name, Omitting, Record
 from ..kernels.core import draws
 from .instance import Instance
 from .support import refuse_unknown
@@ -73,16 +73,14 @@ class LognormalFactor(Record):
         return mean, math.sqrt(max(power(2) - mean * mean, 0.0))
 
 
-class Delay(Record):
+class Delay(Omitting):
     """A delay that occurs with a chance, exponential with a mean, up to a maximum."""
 
     chance: Share = 1.0
     mean_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)]
     most_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
 
-    @model_serializer(mode="wrap")
-    def _without_no_maximum(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "most_s")
+    OMITTED: ClassVar = ("most_s",)
 
     def at(self, uniform: float) -> float:
         """The delay at a number drawn uniformly from (0, 1) [s]."""
@@ -123,15 +121,13 @@ class ServiceUncertainty(Record):
         return _set(write(self))
 
 
-class CaptureUncertainty(Record):
+class CaptureUncertainty(Omitting):
     """Captures: the chance that a try succeeds, and the maximum number of tries."""
 
     success: Share | None = None
     tries: Tries = 1
 
-    @model_serializer(mode="wrap")
-    def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "success")
+    OMITTED: ClassVar = ("success",)
 
 
 class LaunchUncertainty(Record):

@@ -35,7 +35,7 @@ def legal_beginning(
         # Next to impossible for a plan that was checked: rounding at the very edge of the slack.
         raise InputError(
             f"start plan: leg {timing.made + 1} {why_illegal(mission, moves, timing.made)}; "
-            "correct it, or repair: keep the legal beginning only"
+            "correct it; to keep its legal beginning only, solve with repair"
         )
     return tuple(moves[: timing.made])
 

@@ -31,7 +31,7 @@ def start_destinations(
                 admit(problem.instance, start)
             except InputError as error:
                 raise InputError(
-                    f"start plan: {error}; or repair: keep the legal beginning only"
+                    f"start plan: {error}; to keep its legal beginning only, solve with repair"
                 ) from None
         if len(missions) == 1:
             return (start.destinations,)

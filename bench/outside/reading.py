@@ -1,11 +1,11 @@
-"""Numbers out of text files, with one sentence where they are not what they should be."""
+"""Files of benchmarks, with one sentence where they are not as they were published."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -14,33 +14,38 @@ from adr_opt.common.errors import InputError
 from adr_opt.common.files import read_text
 
 FloatArray = npt.NDArray[np.float64]
+More, Read = ParamSpec("More"), TypeVar("Read")
 
 
-def filled_lines(path: Path) -> Iterator[tuple[int, str]]:
-    """Lines that hold something, with their numbers from 1."""
-    for number, line in enumerate(read_text(path).splitlines(), 1):
+def published(
+    read: Callable[Concatenate[Path, More], Read],
+) -> Callable[Concatenate[Path, More], Read]:
+    """A reader that refuses in one sentence whatever is not as it was published."""
+
+    @wraps(read)
+    def reading(path: Path, *more: More.args, **options: More.kwargs) -> Read:
+        try:
+            return read(path, *more, **options)
+        except InputError:
+            raise
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+            raise InputError(
+                f"{path}: not as published: {error!r}; give the file as it is"
+            ) from None
+
+    return reading
+
+
+def filled_lines(path: Path) -> Iterator[str]:
+    """Lines that hold something."""
+    for line in read_text(path).splitlines():
         if line.strip():
-            yield number, line.strip()
+            yield line.strip()
 
 
-def numbers_of(text: str, count: int, where: str, separator: str | None = None) -> list[float]:
+def numbers_of(text: str, count: int, separator: str | None = None) -> list[float]:
     """So many finite numbers of a text; one separator after the last is allowed."""
-    parts = [part for part in text.strip().split(separator) if part.strip()]
-    try:
-        values = [float(part) for part in parts]
-    except ValueError:
-        values = []
+    values = [float(part) for part in text.strip().split(separator) if part.strip()]
     if len(values) != count or not np.isfinite(values).all():
-        raise InputError(f"{where}: not {count} finite numbers; give the file as it is")
+        raise ValueError(f"{text[:80]!r} has not {count} finite numbers")
     return values
-
-
-def read_object(path: Path) -> dict[str, Any]:
-    """The JSON object in a file."""
-    try:
-        content = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}: not JSON: {error}; give the file as it is") from None
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: not a JSON object; give the file as it is")
-    return content

@@ -13,7 +13,7 @@ from torch.distributions import Categorical
 
 import adr_opt.learning.environment  # noqa: F401  registers the environment
 from adr_opt.learning.held_out import HeldFields
-from adr_opt.learning.training.network import SetNetwork
+from adr_opt.learning.training.policy_network import SetNetwork
 
 COUNT, LENGTH, BATCH, EPOCHS = 256, 64, 1024, 2
 RATE, LAMBDA, CLIP, ENTROPY, SCALE = 1e-3, 0.97, 0.2, 0.008, 0.1

@@ -437,22 +437,6 @@ def test_files_of_another_scenario_are_refused(resumed: Any) -> None:
         path.write_bytes(content)
 
 
-@pytest.mark.slow
-def test_processes_change_nothing(resumed: Any) -> None:
-    """Seeds in several processes give what they give one after another."""
-    made, _, _ = resumed
-    start = made.start
-    again = scenario(
-        start.population.bodies,
-        start.template,
-        start.settings,
-        launches=start.launches,
-        epoch=start.epoch,
-        jobs=2,
-    )
-    assert again.futures == made.futures
-
-
 def test_tables_have_what_happened(resumed: Any) -> None:
     """Means of removals by species and shell, and of objects by year, are those of the records."""
     made, _, _ = resumed

@@ -26,7 +26,6 @@ from adr_opt.analysis.trade.points import Impossible, KnownPoints, Point
 from adr_opt.analysis.trade.shared import Shared, slack_m_s, variant
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
-from adr_opt.common.stop import MaxIterations
 from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.ui.report.charts import BOTTOM, TOP, WIDE
@@ -221,26 +220,6 @@ def test_results_of_something_else_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="made with other settings"):
         tradeoff(hand_made(), [axis], path=path, seed=3)
     assert path.read_bytes() == content
-
-
-def test_a_stop_leaves_what_there_is(tmp_path: Path) -> None:
-    """Stopped early, all points have what is known of them, and the file has the runs."""
-
-    class Few(MaxIterations):
-        def remaining_s(self) -> float:
-            return 0.0 if len(ran) >= 3 else math.inf
-
-    ran: list[Point] = []
-    made = tradeoff(
-        hand_made(),
-        [TANKS],
-        path=tmp_path / "r.jsonl",
-        stop=Few(10**9),
-        told=lambda point, _: ran.append(point),
-    )
-    assert len(made.points) == len(TANKS.values)
-    assert len(ran) == 3
-    assert len((tmp_path / "r.jsonl").read_text().splitlines()) == 4
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
-import itertools
+import io
 import json
 import math
 import re
@@ -15,24 +16,17 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import numpy as np
 import pytest
 from plans import with_legs
 
 import adr_opt
-from adr_opt.common.constants import SLACK_M_S
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
-from adr_opt.kernels.rules.schedule import Visit, follow
-from adr_opt.legs.connection_finder import ConnectionFinder
-from adr_opt.legs.service_limits import limits_of
 from adr_opt.mission.certified import certify, certify_routes
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.mission import Mission
-from adr_opt.mission.problem import Problem, Routes
+from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
-from adr_opt.plan.cargo import loads_of
-from adr_opt.problem.instance import Instance
 from adr_opt.run import methods
 from adr_opt.sources.generator import FAMILIES
 from adr_opt.sources.library import Entry, Library
@@ -88,80 +82,28 @@ def bound_file(folder: Path, mission: Mission, upper_bound: float | None, **more
     return path
 
 
-def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
-    """Objective, and ΔV at the least cost [m/s], of routes by the rules, without a timetable.
-
-    Followed here once more, because hundreds of timetables would take minutes.
-    """
-    connecting, first = ConnectionFinder(instance), instance.first_target
-    done = [j for route in routes for j in route if j >= first]
-    assert len(done) == len(set(done))
-    total = 0.0
-    for number, (chaser, route) in enumerate(zip(instance.chasers, routes, strict=True)):
-        assert (chaser.available_s[1], chaser.end) == (None, "anywhere")
-        loads, limits = loads_of(instance, chaser, 0.0), limits_of(instance, number)
-        kits = 0 if loads is None else int(loads.takes[list(route)].sum())
-        budget = chaser.tank.full_m_s(kits * chaser.kit_mass_kg) + SLACK_M_S
-        ready, left, spent = np.array([limits.ready]), np.array([budget]), np.zeros(1)
-        for i, j in itertools.pairwise((instance.starts[number], *route)):
-            assert j != i
-            pair, caps = connecting.by_class(i, j), None
-            if pair.mass_kg is not None:
-                # Connections of lighter chasers, too, which vent what makes them heavier.
-                tank = chaser.tank
-                empty_kg = tank.dry_mass_kg + kits * chaser.kit_mass_kg
-                caps = SLACK_M_S + tank.exhaust_m_s * np.log(pair.mass_kg / empty_kg)
-            flown = (pair.departure, pair.arrival, pair.delta_v, pair.delta_v)
-            visit = Visit(j, kits, limits.service[j], limits.windows, j < first, budget, caps=caps)
-            ready, left, spent, _, _ = follow(ready, left, spent, np.empty(0), flown, visit, loads)
-            kits -= 0 if loads is None else int(loads.takes[j])
-            assert ready.size
-        towing = 0.0 if loads is None else float(loads.flown[list(route)].sum())
-        # Of all last days the one of least cost: days are paid for, too.
-        total += float(spent[np.argmin(spent + instance.time_m_s_per_s * ready)]) + towing
-    return float(sum(instance.targets[j - first].prize for j in done)), total
-
-
-def consistent(script: ModuleType, folder: Path, every: int = 1) -> dict[str, Any]:
-    """Every row, or every few rows, agree with their instances and plans; returns the rows."""
+def consistent(script: ModuleType, folder: Path) -> dict[str, Any]:
+    """The rows of a table, in which the script finds nothing wrong."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        assert script.main(["--folder", str(folder), "verify"]) == 0
     rows = script.read_table(folder)
     plans = {f"best-known/{path.name}" for path in folder.glob("best-known/*")}
     assert plans == {row.plan for row in rows.values()} - {""}
-    for name, row in itertools.islice(rows.items(), 0, None, every):
+    for name, row in rows.items():
         assert name == row.instance
-        instance = script.committed(folder, name, row.sha256)
         assert row.who
         assert row.date
-        if math.isfinite(row.upper_bound):
-            assert row.bound_method
-        if not row.order:
-            assert not row.plan
-            assert math.isfinite(row.upper_bound)
-            continue
-        objective, delta_v = flown(instance, row.routes)
-        assert objective == row.objective <= row.upper_bound
-        assert delta_v == pytest.approx(row.delta_v_m_s, rel=1e-9)
+        assert bool(row.bound_method) or not math.isfinite(row.upper_bound)
         # The plan files of committed instances are kept as well.
-        assert bool(row.plan) == (script.file_of(folder, name) is not None)
-        if not row.plan:
-            continue
-        plan = adr_opt.load_plan(folder / row.plan)
-        assert adr_opt.check(instance, plan) == ()
-        assert plan.objective == row.objective
-        assert script.order_of(instance, plan) == row.order
-        assert plan.delta_v_m_s == row.delta_v_m_s
-        assert plan.method == row.planner_method
-        if math.isfinite(row.upper_bound):
-            assert (plan.upper_bound, plan.gap) == (row.upper_bound, row.gap)
-        else:
-            assert plan.upper_bound is None
+        assert bool(row.plan) == bool(row.order and script.file_of(folder, name))
+        if row.plan:
+            plan = adr_opt.load_plan(folder / row.plan)
+            assert plan.method == row.planner_method
+            known = math.isfinite(row.upper_bound)
+            assert (plan.upper_bound, plan.gap) == (
+                (row.upper_bound, row.gap) if known else (None,) * 2
+            )
     return rows
-
-
-@pytest.mark.parametrize("every", [90, pytest.param(1, marks=pytest.mark.slow)])
-def test_the_committed_table_agrees_with_its_plans(script: ModuleType, every: int) -> None:
-    """Rows of the repository: `check` passes, objective, ΔV, bound and gap are the plan's."""
-    consistent(script, ROOT / "instances", every)
 
 
 def test_the_committed_rows_of_small_fields_are_verified(

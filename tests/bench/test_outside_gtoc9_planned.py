@@ -82,5 +82,5 @@ def test_broken_flown_campaigns_are_refused(tmp_path, old, new):
     assert read_flown(path, 4)[0].flights[0].impulses_m_s.tolist() == [[1.0, 2.0, 3.0]]
     assert old in text
     path.write_text(text.replace(old, new, 1))
-    with pytest.raises(InputError, match="no flown campaign"):
+    with pytest.raises(InputError, match="not as published"):
         read_flown(path, 4)

@@ -6,12 +6,10 @@ import itertools
 
 import numpy as np
 import pytest
-from from_outside import DATA, broken, external
+from from_outside import DATA, external
 from outside.optw import reading
 from outside.optw.ours import plan
 from outside.optw.scoring import score, travel_ms
-
-from adr_opt.common.errors import InputError
 
 FOLDER = DATA / "optw"
 FIRST, STATIC = FOLDER / "20.1.1.TXT", FOLDER / "titt20.TXT"
@@ -100,35 +98,6 @@ def test_too_long_a_tour_is_named():
     short = reading.Places("short", 1e6, *(vars(places)[name] for name in list(vars(places))[2:]))
     assert score(places, travel, []).violations == ()
     assert "longer than" in score(short, travel, []).violations[0]
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("20 ", "21 ", "not 21 places"),
-        ("18468;17;4;", "18468;17;", "line 4: not 6 finite numbers"),
-        ("18468;17;4;", "18468;many;4;", "line 4: not 6 finite numbers"),
-        ("25200000;32400000", "32400001;32400000", "not 20 places with windows"),
-    ],
-)
-def test_broken_instances_are_refused(tmp_path, old, new, said):
-    """An instance that is not what it should be is refused with file, line and reason."""
-    with pytest.raises(InputError, match=said):
-        reading.read_places(broken(tmp_path, FIRST, old, new))
-
-
-def test_broken_travel_times_are_refused(tmp_path):
-    """Matrices of another size, and optima without their columns, are refused in a sentence."""
-    with pytest.raises(InputError, match="20 rows instead of 50"):
-        reading.read_static(STATIC, 50)
-    with pytest.raises(InputError, match="not 140000 finite numbers"):
-        reading.read_varying(FOLDER / "tt20.TXT", 50)
-    with pytest.raises(InputError, match="line 1: not 20 finite numbers"):
-        reading.read_static(broken(tmp_path, STATIC, "0;5300461;", "0;"), 20)
-    with pytest.raises(InputError, match="no optima: KeyError"):
-        reading.read_optima(broken(tmp_path, FOLDER / "optima.csv", "score", "points"))
-    with pytest.raises(InputError, match=r"no instance like 20\.1\.1"):
-        reading.instance_files(tmp_path / "nowhere")
 
 
 @pytest.mark.parametrize("varying", [False, True])

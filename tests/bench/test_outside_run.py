@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 from from_outside import BENCH, DATA, external
 from outside import run as script
+from outside.gtoc9 import campaign, debris
+from outside.odrc import reading as odrc
+from outside.optw import reading as optw
+from outside.tdtsptw import reading as tdtsptw
 
 from adr_opt.common.errors import InputError
 
@@ -52,6 +59,30 @@ def test_what_is_known_is_printed(capsys, tmp_path, name, folder, files, figures
     said = capsys.readouterr().out
     for figure in figures:
         assert figure in said
+
+
+READERS = {
+    "gtoc9/debris_data.txt": debris.read_debris,
+    "gtoc9/jpl_solution.json": campaign.read_campaign,
+    "mcrdv/odrc.csv": odrc.read_debris,
+    "optw/20.1.1.TXT": optw.read_places,
+    "optw/titt20.TXT": lambda path: optw.read_static(path, 20),
+    "tdtsptw/15_70_A_25_B6.json": tdtsptw.read_roads,
+}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=external(name.partition("/")[0])) for name in READERS]
+)
+def test_files_that_are_not_as_published_are_refused(tmp_path, name):
+    """An empty file, one with a word for a number and none at all are one sentence each."""
+    text, path = (DATA / name).read_text(encoding="utf-8"), tmp_path / Path(name).name
+    with pytest.raises(InputError, match="no such file"):
+        READERS[name](path)
+    for spoilt in ("", re.sub(r"(?m)(?<=[\s,;:])\d+(?=\D)|^\d+", "far", text, count=9)):
+        path.write_text(spoilt, encoding="utf-8")
+        with pytest.raises(InputError, match=f"{re.escape(path.name)}: not as published"):
+            READERS[name](path)
 
 
 def test_data_that_are_not_there_are_told(tmp_path, monkeypatch):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import numpy as np
@@ -11,8 +10,6 @@ from from_outside import DATA, external
 from outside.tdtsptw import reading
 from outside.tdtsptw.ours import breakpoints, drawn, instance_of, plan
 from outside.tdtsptw.scoring import arrival, score
-
-from adr_opt.common.errors import InputError
 
 FOLDER = DATA / "tdtsptw"
 
@@ -71,15 +68,3 @@ def test_missing_ways_are_closed():
     assert len(instance.given.functions.pairs) == 240
     assert "no customer" not in str(score(roads, roads.customers))
     assert score(roads, roads.customers[1:]).violations
-
-
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [("speed_zones", []), ("time_windows", [[0, 1]]), ("start_depot", 99), ("distances", "far")],
-)
-def test_damaged_files_are_refused(tmp_path, key, value):
-    """A file with another content is refused in a sentence."""
-    content = json.loads((FOLDER / "15_70_A_25_B6.json").read_text())
-    (tmp_path / "x.json").write_text(json.dumps(content | {key: value}))
-    with pytest.raises(InputError, match=r"x\.json"):
-        reading.read_roads(tmp_path / "x.json")

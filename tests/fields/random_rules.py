@@ -276,6 +276,42 @@ def all_filled(instance: Instance) -> Instance:
     return instance.replace(chasers=tuple(chasers))
 
 
+def started(instance: Instance, seed: int) -> Instance:
+    """The same with chasers that start in orbits with some of their ΔV; some tanks by mass."""
+    rng = np.random.default_rng([12, seed])
+    chasers = []
+    for chaser in instance.chasers:
+        orbit = instance.targets[int(rng.integers(len(instance.targets)))].orbit
+        start = InOrbit(orbit=orbit.replace(true_anomaly_deg=float(rng.uniform(0.0, 360.0))))
+        full, share = chaser.tank.delta_v_m_s, float(rng.choice([0.0, 0.2, 0.5, 0.8, 1.0]))
+        tank: AnyTank = Tank(delta_v_m_s=full, initial_delta_v_m_s=share * full)
+        if rng.random() < 0.3:
+            propellant = float(500.0 * np.expm1(full / (9.80665 * 250.0)))
+            tank = TankByMass(
+                dry_mass_kg=500.0,
+                propellant_kg=propellant,
+                isp_s=250.0,
+                initial_propellant_kg=share * propellant,
+            )
+        chasers.append(chaser.replace(start=start, tank=tank))
+    return instance.replace(chasers=tuple(chasers))
+
+
+def started_mission(seed: int) -> Instance:
+    """A mission of one chaser that starts with part of a tank, by turns of each kind."""
+    instance = started((random_mission, drifting_mission, random_mission)[seed % 3](seed), seed)
+    if seed % 3 < 2:
+        return instance
+    instance = instance.replace(keep_out_zones=())
+    return with_given_costs(instance, np.random.default_rng([13, seed]))
+
+
+def by_days(instance: Instance, seed: int) -> Instance:
+    """The same by ΔV with a price of a day: none, the default, up to where time alone counts."""
+    price = (0.0, None, 5.0, 50.0, 700.0, 1e5)[seed % 6]
+    return instance.replace(objective=Objective(time_m_s_per_day=price))
+
+
 def random_campaign(seed: int, draw: Callable[[int], Instance] = random_mission) -> Instance:
     """The same for two or three chasers, some of them of one kind."""
     rng = np.random.default_rng([4, seed])

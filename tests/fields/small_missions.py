@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import random_rules
 
 import adr_opt
 from adr_opt.mission.mission import Mission
-from adr_opt.problem.bodies import Station
-from adr_opt.problem.chasers import AtStation, Chaser, InOrbit
 from solvers.models.solver_network import of_rows
 from solvers.networks.network import build
 
@@ -43,48 +42,9 @@ def random_mission(seed, *, zones=True):
     )
 
 
-def featured_mission(seed):
-    """A random mission with several stations or none, a start of its own, windows, ends by turns.
-
-    Some of its targets are required, some share an orbit, some are worth nothing.
-    """
-    rng = np.random.default_rng([7, seed])
-    instance = random_mission(seed).instance
-    targets = instance.targets
-    if seed % 5 == 0:
-        targets = (targets[0], targets[1].replace(orbit=targets[0].orbit), *targets[2:])
-    duration = instance.mission.duration_s
-    stations = instance.stations[: int(rng.integers(0, 2))]
-    if len(targets) > 2 and rng.random() < 0.4:
-        stations += (Station(name="second", orbit=targets[-1].orbit),)
-        targets = targets[:-1]
-    start = InOrbit(orbit=instance.stations[0].orbit)
-    if stations and rng.random() < 0.6:
-        start = AtStation(station=stations[int(rng.integers(len(stations)))].name)
-    end = "anywhere"
-    if stations and rng.random() < 0.5:
-        end = AtStation(station=stations[int(rng.integers(len(stations)))].name)
-    if rng.random() < 0.5:
-        opens = rng.uniform(0.0, 0.6, len(targets)) * duration
-        closes = opens + rng.uniform(0.05, 0.9, len(targets)) * duration
-        targets = tuple(
-            target.replace(window_s=(float(opens[at]), float(closes[at]) if at % 3 else None))
-            for at, target in enumerate(targets)
-        )
-    if rng.random() < 0.3:
-        targets = (*targets[:-1], targets[-1].replace(required=True))
-    begin = float(rng.choice([0.0, 0.2])) * duration * float(rng.random())
-    chaser = Chaser(
-        name="chaser",
-        start=start,
-        end=end,
-        available_s=(begin, None if seed % 2 else 0.9 * duration),
-        max_targets=[None, None, 1, 2][int(rng.integers(4))],
-        tank=instance.chaser.tank,
-    )
-    return Mission(
-        instance.replace(stations=stations, targets=targets, chasers=(chaser,)), threads=1
-    )
+def ruled_mission(seed):
+    """A random mission with every rule on or off."""
+    return Mission(random_rules.random_mission(seed), threads=1)
 
 
 def network_of(mission):

@@ -102,16 +102,6 @@ def test_fly_says_in_what_it_flew(cli: Cli) -> None:
     assert told["legs"][1]["planned_delta_v_m_s"] == planned
 
 
-def test_two_body_flights_say_so_too(cli: Cli) -> None:
-    """In two-body motion nothing drifts, and the words for it do not appear."""
-    cli("generate", "tiny", "--seed", "0", "--out", "my.json")
-    cli("solve", "my.json", "--method", "greedy-guarded", "--out", "plan.json")
-    said = cli("fly", "my.json", "plan.json")
-    assert "in two-body motion" in said.out
-    assert "drift" not in said.out
-    assert json.loads(cli("fly", "my.json", "plan.json", "--json").out)["dynamics"] == "two-body"
-
-
 def test_export_tells_dynamics_and_states(cli: Cli) -> None:
     """``export --json`` names the dynamics and counts states: five times fewer by default."""
     write(drifting_instance(), drifting_plan())

@@ -33,8 +33,6 @@ DRIFTING = 12
 ECCENTRIC = 10
 """A mission whose last leg drifts from e = 0.004 to e = 0.033."""
 
-GATE = (5, DRIFTING)
-"""Tows before short legs, and before drifts."""
 
 DRAWN, PARTS, TOWS = 140, 4, 100
 """Missions that are drawn, in so many parts, and plans with tows among theirs, at least."""
@@ -126,17 +124,6 @@ def test_a_leg_that_begins_before_its_tow_may_be_over_is_refused():
     spoiled = plan.replace(routes=(plan.routes[0].replace(legs=legs),))
     with pytest.raises(InputError, match=f"leg {at + 1} begins at .*, but the chaser is free at"):
         refuse_broken_chain(instance, spoiled)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", GATE)
-def test_plans_with_tows_and_kits_are_refined_flown_and_exported(seed, tmp_path):
-    """Plans of three drawn missions hold in true dynamics and go into every file."""
-    instance, plan = planned(seed)
-    assert len(plan.legs) >= 2
-    removals = {target.name: target.removal for target in instance.targets}
-    assert {removals[leg.destination] for leg in plan.legs} & {"tow", "kit"}
-    assert hold(instance, plan, tmp_path)
 
 
 def test_a_tow_does_not_end_after_its_leg_begins_by_rounding():

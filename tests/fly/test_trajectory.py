@@ -90,19 +90,6 @@ def test_samples_are_even_dense_and_read_only(tiny: Instance, plan: Plan) -> Non
             arc.positions_m[0] = 0.0
 
 
-def test_burns_are_the_steps_of_the_velocity(tiny: Instance, plan: Plan) -> None:
-    """Where an arc meets the next the velocity steps by the burns of that time, by nothing else."""
-    for path in sample(tiny, plan).legs:
-        for before, after in zip(path.arcs[:-2], path.arcs[1:-1], strict=True):
-            burned = sum(
-                np.array(burn.delta_v_m_s)
-                for burn in path.leg.burns
-                if burn.time_s == after.start_s
-            )
-            step = after.velocities_m_s[0] - before.velocities_m_s[-1]
-            assert np.linalg.norm(step - burned) < 1e-8
-
-
 @pytest.mark.parametrize(("family", "seed"), [("tiny", 1), ("nominal", 3)])
 def test_states_are_those_of_the_flight(family: str, seed: int) -> None:
     """Every sample is where boinor gets from the origin by the burns, to 2 mm.

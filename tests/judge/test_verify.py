@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from exact_variants import variant
 from random_rules import (
     captured_mission,
     drifting_mission,
@@ -22,6 +21,7 @@ from random_rules import (
     towing_mission,
 )
 from seeds import over_kinds, over_seeds
+from varied_fields import variant
 from verify_fields import (
     FEW,
     Spoilt,

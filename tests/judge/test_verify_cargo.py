@@ -21,7 +21,7 @@ from adr_opt.judge.verify import verify
 from adr_opt.judge.verify.cargo import Cargo, left_after
 from adr_opt.judge.verify.claim import bound_of
 from adr_opt.judge.verify.names import check_names
-from adr_opt.judge.verify.walks import asked, walks_reach
+from adr_opt.judge.verify.walk_questions import walk_question, walks_reach
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.evidence import Evidence, Walks
 from adr_opt.mission.problem import Problem
@@ -117,7 +117,9 @@ def test_whatever_refuellings_cost_the_best_plan_is_worth_no_more_than_follows(s
             if limit is not None:
                 gains[body] -= Fraction(float(rng.uniform(0.0, 2.0)))
                 most += limit * gains[body]
-        assert walks_reach(asked(legs_for(instance), gains, remembered, most, 20.0)).reached, seed
+        assert walks_reach(
+            walk_question(legs_for(instance), gains, remembered, most, 20.0)
+        ).reached, seed
         count += 1
     assert count > len(seeds) / 3
 

@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 import pytest
-from exact_variants import variant
 from random_rules import falling_mission
 from seeds import over_seeds
+from varied_fields import variant
 from verify_fields import FEW, laden, legs_for, proven, refuelling, towing_and_laden, worths_of
 
 from adr_opt.common.errors import InputError
@@ -20,7 +20,7 @@ from adr_opt.judge.verify import verify
 from adr_opt.judge.verify.closed import ClosedLabels, dominates, ends_of, is_answer, why_open
 from adr_opt.judge.verify.legs import losses_of
 from adr_opt.judge.verify.lists import ListedLabels, Lists
-from adr_opt.judge.verify.walks import AskedWalks, asked, walks_reach
+from adr_opt.judge.verify.walk_questions import WalkQuestion, walk_question, walks_reach
 from adr_opt.plan.certificate import ProvenCut
 from adr_opt.problem.instance import Instance
 from solvers.labels import expand
@@ -59,10 +59,10 @@ class Claim:
             cuts.append(ProvenCut(targets=drawn, memory=names, multiplier=toll))
         return cls(instance, gains, remembered, tuple(cuts))
 
-    def ask(self, most: Fraction, **changed: object) -> AskedWalks:
+    def ask(self, most: Fraction, **changed: object) -> WalkQuestion:
         """The question about that much."""
         what = {"gains": self.gains, "cuts": self.cuts, **changed}
-        return asked(
+        return walk_question(
             legs_for(self.instance),
             what["gains"],
             self.remembered,
@@ -72,7 +72,7 @@ class Claim:
             losses=losses_of(self.instance),
         )
 
-    def listed(self, question: AskedWalks, **changed: object) -> ListedLabels:
+    def listed(self, question: WalkQuestion, **changed: object) -> ListedLabels:
         """What a list for another question has of labels that are no answers."""
         legs, about, starts = self.ask(self.least, **changed)
         labels = expand.expand(legs, about, starts).labels
@@ -93,24 +93,24 @@ class Claim:
         return Fraction(high, 16)
 
     @cached_property
-    def true(self) -> AskedWalks:
+    def true(self) -> WalkQuestion:
         """The question about that much."""
         return self.ask(self.least)
 
     @cached_property
-    def false(self) -> AskedWalks:
+    def false(self) -> WalkQuestion:
         """The one about the sixteenth before, which a walk collects."""
         return self.ask(self.least - Fraction(1, 16))
 
 
-def true_list(question: AskedWalks) -> ListedLabels:
+def true_list(question: WalkQuestion) -> ListedLabels:
     """A list, and who dominates what, as a file has them."""
     lists = Lists()
     assert not walks_reach(question, lists).reached
     return lists.checked[0]
 
 
-def refused(question: AskedWalks, listed: ListedLabels) -> bool:
+def refused(question: WalkQuestion, listed: ListedLabels) -> bool:
     """Whether a list shows nothing, with its rows and without."""
     legs, about, starts = question
     search = expand.finder(legs, about, listed.labels)
@@ -141,7 +141,7 @@ def test_no_list_proves_what_is_false(seed):
                 assert refused(false, ListedLabels(forged, None))
 
 
-Forgery = Callable[[Claim, ListedLabels, Rng], tuple[AskedWalks, ListedLabels]]
+Forgery = Callable[[Claim, ListedLabels, Rng], tuple[WalkQuestion, ListedLabels]]
 
 
 def of_rows(claim: Claim, listed: ListedLabels) -> ClosedLabels:
@@ -161,20 +161,20 @@ def needed(claim: Claim, labels: ClosedLabels, rng: Rng) -> int:
     raise AssertionError("no label is needed")
 
 
-def dropped(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
+def dropped(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[WalkQuestion, ListedLabels]:
     """A label is left out."""
     kept = np.delete(np.arange(listed.labels.body.size), needed(claim, listed.labels, rng))
     return claim.true, ListedLabels(listed.labels.at(kept), None)
 
 
-def shifted(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
+def shifted(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[WalkQuestion, ListedLabels]:
     """A label is said to be ready later."""
     time = listed.labels.time.copy()
     time[needed(claim, listed.labels, rng)] += float(rng.uniform(1e-6, 1e4))
     return claim.true, listed._replace(labels=listed.labels._replace(time=time))
 
 
-def forgotten(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
+def forgotten(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[WalkQuestion, ListedLabels]:
     """A target is taken from the memory of a label, which then has more legs."""
     legs = claim.true.legs
     most = of_rows(claim, listed).body.size
@@ -188,7 +188,7 @@ def forgotten(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks,
     return dropped(claim, listed, rng)
 
 
-def misled(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
+def misled(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[WalkQuestion, ListedLabels]:
     """A row is that of a label that does not dominate, or of none."""
     legs, about, _ = claim.true
     ends, size, rows = of_rows(claim, listed), listed.labels.body.size, listed.row.copy()
@@ -200,7 +200,7 @@ def misled(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, Li
     return claim.true, listed._replace(row=rows)
 
 
-def other_unit(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
+def other_unit(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[WalkQuestion, ListedLabels]:
     """The list is for prizes in another unit, by which they are less."""
     share = Fraction(1, int(rng.integers(2, 30)))
     return claim.false, claim.listed(claim.false, gains=[share * each for each in claim.gains])
@@ -208,13 +208,13 @@ def other_unit(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks
 
 def other_multiplier(
     claim: Claim, listed: ListedLabels, rng: Rng
-) -> tuple[AskedWalks, ListedLabels]:
+) -> tuple[WalkQuestion, ListedLabels]:
     """The list is for multipliers by which targets give less than they do."""
     more = Fraction(float(rng.uniform(0.1, 3.0)))
     return claim.ask(claim.least, gains=[gain + more for gain in claim.gains]), listed
 
 
-def other_cut(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks, ListedLabels]:
+def other_cut(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[WalkQuestion, ListedLabels]:
     """The list is for cuts by which walks pay what they do not pay."""
     toll, names = float(rng.uniform(0.1, 2.0)), claim.instance.names
     bodies = np.arange(claim.instance.first_target, len(claim.gains))
@@ -225,7 +225,7 @@ def other_cut(claim: Claim, listed: ListedLabels, rng: Rng) -> tuple[AskedWalks,
 
 def other_threshold(
     claim: Claim, listed: ListedLabels, rng: Rng
-) -> tuple[AskedWalks, ListedLabels]:
+) -> tuple[WalkQuestion, ListedLabels]:
     """The list is for more than what is said that no walk collects."""
     return claim.ask(claim.least - Fraction(int(rng.integers(1, 17)), 16)), listed
 

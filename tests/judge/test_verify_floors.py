@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from brute_force import brute_force_campaign
 from electric_fields import electric
-from exact_variants import variant
 from random_rules import drifting_mission, random_mission
 from seeds import over_kinds
 from towed_fields import drawn as towed
+from varied_fields import variant
 
 import adr_opt
 from adr_opt.common.errors import InputError

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from brute_force import brute_force
-from exact_variants import variant
 from random_rules import falling
+from varied_fields import variant
 
 import adr_opt
 from adr_opt.common.errors import InputError

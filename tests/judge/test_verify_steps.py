@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from brute_force import brute_force
-from exact_variants import variant
 from random_rules import (
     drifting_mission,
     falling_mission,
@@ -18,6 +17,7 @@ from random_rules import (
     towing_mission,
 )
 from seeds import over_kinds
+from varied_fields import variant
 from verify_fields import (
     laden,
     legs_for,

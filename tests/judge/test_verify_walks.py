@@ -7,7 +7,6 @@ from fractions import Fraction
 
 import numpy as np
 from brute_force import brute_force
-from exact_variants import variant
 from random_rules import (
     drifting_mission,
     falling_mission,
@@ -16,10 +15,11 @@ from random_rules import (
     towing_mission,
 )
 from seeds import over_kinds
+from varied_fields import variant
 from verify_fields import laden, legs_for, refuelling, towing_and_laden, worths_of
 
 from adr_opt.judge.verify.legs import losses_of
-from adr_opt.judge.verify.walks import asked, walks_reach
+from adr_opt.judge.verify.walk_questions import walk_question, walks_reach
 from adr_opt.mission.mission import Mission
 
 every_mission = over_kinds(
@@ -63,7 +63,9 @@ def test_whatever_walks_remember_the_best_plan_is_one_of_them(draw, seeds):
         most = best - sum(multipliers) - Fraction(1, 10**9)
         losses = losses_of(instance)
         legs = legs_for(instance)
-        assert walks_reach(asked(legs, gains, remembered, most, slot, losses=losses)).reached, seed
+        assert walks_reach(
+            walk_question(legs, gains, remembered, most, slot, losses=losses)
+        ).reached, seed
         count += 1
     assert count > 0.6 * len(seeds)
 
@@ -87,10 +89,9 @@ def test_whatever_the_slot_the_best_plan_is_a_walk(draw, seeds):
         remembered = np.ones((len(worths), len(worths)), dtype=np.bool_)
         most = Fraction(prizes) - Fraction(1, 10**9)
         for slot in np.geomspace(2.0, 1000.0, 8):
-            assert walks_reach(asked(legs, worths, remembered, most, float(slot))).reached, (
-                seed,
-                slot,
-            )
+            assert walks_reach(
+                walk_question(legs, worths, remembered, most, float(slot))
+            ).reached, (seed, slot)
         count += 1
     assert count > len(seeds) / 8
 
@@ -110,7 +111,7 @@ def test_walks_that_remember_all_are_the_plans(draw, seeds):
         losses = losses_of(instance)
         legs = legs_for(instance)
         assert not walks_reach(
-            asked(legs, worths, remembered, more, 20.0, losses=losses)
+            walk_question(legs, worths, remembered, more, 20.0, losses=losses)
         ).reached, seed
         decided += prizes < sum(worths)
     assert decided > len(seeds) / 5
@@ -131,4 +132,6 @@ def test_no_label_is_dropped_that_the_best_plan_needs():
         remembered = np.ones((len(worths), len(worths)), dtype=np.bool_)
         for off, reached in ((-1e-6, True), (1e-6, False)):
             most = Fraction(best) + Fraction(off)
-            assert walks_reach(asked(legs, worths, remembered, most, 20.0)).reached == reached, seed
+            assert (
+                walks_reach(walk_question(legs, worths, remembered, most, 20.0)).reached == reached
+            ), seed

@@ -1,4 +1,4 @@
-"""Secular rates of J2: against their derivatives, and against J2 motion integrated step by step."""
+"""Secular rates of J2, against their derivatives."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 from rows import row
-from seeds import first_of
 
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2, OBLATENESS_M2
 from adr_opt.kernels.legs import drift_linear as drift
@@ -74,101 +73,6 @@ def test_what_a_change_drifts_to_is_the_derivative_of_the_drift():
         expected_q = -sine * by_inclination / (2.0 * di)
         assert pair.by_radius == pytest.approx(expected_m, rel=1e-7, abs=1e-15)
         assert pair.by_inclination == pytest.approx(expected_q, rel=2e-6, abs=1e-15)
-
-
-def elements(state: np.ndarray) -> np.ndarray:
-    """Semi-major axis, inclination, node and argument of latitude of states, shape (4, n)."""
-    r, v = state[:3].T, state[3:].T
-    h = np.cross(r, v)
-    distance = np.linalg.norm(r, axis=1)
-    axis = 1.0 / (2.0 / distance - np.sum(v * v, axis=1) / MU_M3_S2)
-    inclination = np.arctan2(np.hypot(h[:, 0], h[:, 1]), h[:, 2])
-    node = np.unwrap(np.arctan2(h[:, 0], -h[:, 1]))
-    ascending = np.stack([np.cos(node), np.sin(node), np.zeros_like(node)], axis=1)
-    ahead = np.cross(h, ascending) / np.linalg.norm(h, axis=1)[:, None]
-    latitude = np.unwrap(np.arctan2(np.sum(r * ahead, axis=1), np.sum(r * ascending, axis=1)))
-    return np.stack([axis, inclination, node, latitude])
-
-
-def perigees(state: np.ndarray) -> np.ndarray:
-    """Eccentricity and argument of perigee of states, shape (2, n)."""
-    r, v = state[:3].T, state[3:].T
-    h = np.cross(r, v)
-    vector = np.cross(v, h) / MU_M3_S2 - r / np.linalg.norm(r, axis=1)[:, None]
-    node = np.arctan2(h[:, 0], -h[:, 1])
-    ascending = np.stack([np.cos(node), np.sin(node), np.zeros_like(node)], axis=1)
-    ahead = np.cross(h, ascending) / np.linalg.norm(h, axis=1)[:, None]
-    angle = np.arctan2(np.sum(vector * ahead, axis=1), np.sum(vector * ascending, axis=1))
-    return np.stack([np.linalg.norm(vector, axis=1), np.unwrap(angle)])
-
-
-def integrated(radius, eccentricity, inclination, revolutions, samples):
-    """States at equal times over whole revolutions, by Cowell's method with boinor's J2."""
-    perturbations = pytest.importorskip("boinor.core.perturbations")
-    integrate = pytest.importorskip("scipy.integrate")
-    _, perigee, anomaly = ephemeris.secular_rates(radius, eccentricity, inclination, OBLATENESS_M2)
-    period = 2.0 * math.pi / (perigee + anomaly)
-    distance = radius * (1.0 - eccentricity)
-    speed = math.sqrt(MU_M3_S2 * (2.0 / distance - 1.0 / radius))
-    ascending, ahead, _ = ephemeris.frame(inclination, 0.3)
-    start = np.concatenate([distance * ascending, speed * ahead])
-
-    def pull(time, state):
-        acceleration = -MU_M3_S2 * state[:3] / np.linalg.norm(state[:3]) ** 3
-        oblate = perturbations.J2_perturbation(time, state, MU_M3_S2, J2, EARTH_RADIUS_M)
-        return np.concatenate([state[3:], acceleration + oblate])
-
-    times = np.linspace(0.0, revolutions * period, revolutions * samples + 1)
-    solved = integrate.solve_ivp(
-        pull, (0.0, times[-1]), start, "DOP853", times, rtol=1e-11, atol=1e-5
-    )
-    return times, solved.y
-
-
-@pytest.mark.parametrize(
-    "inclination_deg", first_of([20.0, 71.0, 98.0, 165.0, 51.6, 90.0, 120.0], gate=4)
-)
-def test_circles_drift_as_integrated_motion_does(inclination_deg):
-    """Averaged over revolutions, node and latitude advance at the rates of the averaged orbit.
-
-    Both to a share of the effect of J2 that is of the order of J2 itself.
-    """
-    samples, revolutions = 64, 15
-    times, states = integrated(
-        EARTH_RADIUS_M + 750e3, 0.0, math.radians(inclination_deg), revolutions, samples
-    )
-    axis, inclination, node, latitude = elements(states)
-    last = revolutions * samples
-    mean_axis, mean_inclination = axis[:last].mean(), inclination[:last].mean()
-    # From the average of the first revolution to that of the last.
-    span = (revolutions - 1) * samples * times[1]
-    turned, gone = (
-        (angle[last - samples : last].mean() - angle[:samples].mean()) / span
-        for angle in (node, latitude)
-    )
-    expected = ephemeris.node_rate(mean_axis, mean_inclination, OBLATENESS_M2)
-    scale = abs(ephemeris.node_rate(mean_axis, 0.0, OBLATENESS_M2))
-    assert turned == pytest.approx(expected, abs=4e-3 * scale)
-    expected = ephemeris.latitude_rate(mean_axis, mean_inclination, OBLATENESS_M2)
-    assert gone == pytest.approx(expected, abs=4e-3 * 3.0 * scale)
-
-
-@pytest.mark.parametrize("inclination_deg", [30.0, 63.4349488, 71.0, 98.0])
-def test_perigees_turn_as_integrated_ones_do(inclination_deg):
-    """The argument of perigee of an eccentric orbit advances at its secular rate."""
-    samples, revolutions, eccentricity = 200, 15, 0.1
-    times, states = integrated(
-        EARTH_RADIUS_M + 1700e3, eccentricity, math.radians(inclination_deg), revolutions, samples
-    )
-    axis, inclination, _, _ = elements(states)
-    shape, perigee = perigees(states)
-    last = revolutions * samples
-    span = (revolutions - 1) * samples * times[1]
-    turned = (perigee[last - samples : last].mean() - perigee[:samples].mean()) / span
-    mean = axis[:last].mean(), shape[:last].mean(), inclination[:last].mean()
-    expected = ephemeris.secular_rates(*mean, OBLATENESS_M2)[1]
-    scale = abs(ephemeris.secular_rates(mean[0], mean[1], 0.0, OBLATENESS_M2)[1])
-    assert turned == pytest.approx(expected, abs=0.01 * scale)
 
 
 def test_a_sun_synchronous_node_turns_once_a_year():

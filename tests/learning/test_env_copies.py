@@ -20,7 +20,6 @@ from gymnasium.vector import AutoresetMode
 from random_rules import drifting_field
 from small_fields import SMALL, tiny
 
-import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.learning.environment import ID, TROUBLED, MissionEnv, MissionVecEnv
 
@@ -237,9 +236,3 @@ def test_gymnasium_finds_it_by_its_module() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.count("MissionEnv") == len(IDS)
-
-
-def test_an_instance_is_loaded_from_a_dictionary() -> None:
-    """`load` takes the content of a file as a dictionary, and `Instance` its fields."""
-    content = json.loads(tiny().to_json())
-    assert adr_opt.load(content) == adr_opt.Instance(**tiny().model_dump()) == tiny()

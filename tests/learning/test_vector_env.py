@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,11 +17,24 @@ from stable_baselines3.common.vec_env import VecMonitor
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.learning.environment import OBSERVATIONS, Fields, MissionEnv, MissionVecEnv
+from adr_opt.learning.environment import (
+    OBSERVATIONS,
+    TROUBLED,
+    TROUBLES,
+    Fields,
+    MissionEnv,
+    MissionVecEnv,
+)
 from adr_opt.learning.episodes import FieldPool, pool
+from adr_opt.problem.uncertainty import Uncertainty
 
 SMALL = Fields("tiny", targets=(3, 9), zones=(0, 3), delta_v_m_s=(300.0, 1500.0))
 """All missions last as long as the field's timetable does."""
+
+ALIKE = replace(VARIED, duration_s=None, limits=(), share_of_limits=0.0)
+"""The same of other sizes."""
+
+MODELS = (Uncertainty(), TROUBLED, TROUBLES[-1])
 
 DRIFTING = Fields("tiny", targets=(3, 7), dynamics="j2")
 """With one budget: where planes drift, a larger one has connections that others lack."""
@@ -37,10 +53,6 @@ def choose(env: MissionVecEnv, rng: np.random.Generator) -> Any:
     return (mask * rng.random(mask.shape)).argmax(axis=1)
 
 
-def parts(observation: Any) -> list[Any]:
-    return list(observation.values()) if isinstance(observation, dict) else [observation]
-
-
 def rows_of(observation: Any, index: int) -> Any:
     if isinstance(observation, dict):
         return {name: part[index].copy() for name, part in observation.items()}
@@ -48,77 +60,91 @@ def rows_of(observation: Any, index: int) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("fields", "observation"),
+    ("fields", "observation", "uncertainty"),
     [
+        (SMALL, "choices", None),
+        (ALIKE, "choices", MODELS),
         *(
-            pytest.param(SMALL, name, marks=[pytest.mark.slow] * (name != "choices"))
-            for name in OBSERVATIONS
+            pytest.param(*each, marks=pytest.mark.slow)
+            for each in (
+                (SMALL, "published", None),
+                (DRIFTING, "choices", None),
+                (DRIFTING, "published", None),
+                (ALIKE, "published", MODELS),
+            )
         ),
-        pytest.param(DRIFTING, "choices", marks=pytest.mark.slow),
-        pytest.param(DRIFTING, "published", marks=pytest.mark.slow),
     ],
 )
-def test_single_missions_keep_in_lock_step(fields: Fields, observation: str) -> None:
-    """A single environment on the same instance sees, may do and earns the same at every step."""
-    env = vector(fields=fields, observation=observation, refresh_every=60, threads=2)
-    rng = np.random.default_rng(0)
-    seen = env.reset()
+def test_single_missions_keep_in_lock_step(
+    fields: Fields, observation: str, uncertainty: Any
+) -> None:
+    """A single environment in the same world sees, may do and earns the same at every step."""
+    env = vector(
+        fields=fields, observation=observation, refresh_every=60, threads=2, uncertainty=uncertainty
+    )
+    rng, ended, lost = np.random.default_rng(0), 0, Counter[str]()
 
-    def alone(index: int) -> MissionEnv:
-        slot = env.episodes.slot[index]
-        instance = env.pool.instances[slot]
+    def alone(index: int) -> tuple[MissionEnv, Any]:
+        instance = env.pool.instances[env.episodes.slot[index]]
         assert instance is not None
-        single = MissionEnv(fields=fields, observation=observation)
-        single.reset(
-            options={
-                "instance": instance.with_limits(delta_v_m_s=float(env.episodes.budget[index]))
-            }
-        )
-        return single
+        limited = instance.with_limits(delta_v_m_s=float(env.episodes.budget[index]))
+        options, model = {"instance": limited}, None
+        if env.worlds is not None:
+            model = MODELS[env.worlds.states.model[index]]
+            options["world"] = int(env.worlds.states.seed[index])
+        single = MissionEnv(fields=fields, observation=observation, uncertainty=model)
+        return single, single.reset(options=options)[0]
 
+    seen = env.reset()
     singles = [alone(index) for index in range(env.num_envs)]
-    sights = [single._board.copy(0) for single in singles]
-    ended = 0
     for _ in range(40):
         masks = env.action_masks()
-        for index, single in enumerate(singles):
+        for index, (single, sight) in enumerate(singles):
             np.testing.assert_array_equal(masks[index], single.action_masks())
-            for here, there in zip(parts(rows_of(seen, index)), parts(sights[index]), strict=True):
-                np.testing.assert_array_equal(here, there)
+            np.testing.assert_equal(rows_of(seen, index), sight)
         actions = choose(env, rng)
         seen, rewards, dones, infos = env.step(actions)
-        for index, single in enumerate(singles):
+        for index, (single, _) in enumerate(singles):
             sight, reward, terminated, truncated, info = single.step(actions[index])
             assert (reward, terminated, truncated) == (rewards[index], dones[index], False)
-            if terminated:
-                ended += 1
-                last = infos[index]["terminal_observation"]
-                for here, there in zip(parts(last), parts(sight), strict=True):
-                    np.testing.assert_array_equal(here, there)
-                assert infos[index]["serviced"] == info["serviced"]
-                assert infos[index]["episode"]["r"] == info["serviced"]
-                assert infos[index]["episode"]["l"] == len(single.sequence)
-                assert infos[index]["TimeLimit.truncated"] is False
-                singles[index] = alone(index)
-                sight = singles[index]._board.copy(0)
-            else:
+            singles[index] = single, sight
+            if not terminated:
                 assert infos[index] == {}
-            sights[index] = sight
+                continue
+            ended += 1
+            told = infos[index]
+            np.testing.assert_equal(told["terminal_observation"], sight)
+            assert told["serviced"] == info["serviced"]
+            assert told["episode"]["l"] == len(single.sequence)
+            assert told["TimeLimit.truncated"] is False
+            if uncertainty is None:
+                assert told["episode"]["r"] == info["serviced"]
+            else:
+                assert told["losses"] == Counter(info["losses"].values())
+                assert (told["world"], told["collected"]) == (info["world"], info["collected"])
+                lost.update(told["losses"])
+            singles[index] = alone(index)
     env.close()
     assert ended > env.num_envs
+    assert uncertainty is None or len(lost) > 2
 
 
-@pytest.mark.parametrize("threads", [1, 3])
-def test_a_seed_determines_everything(threads: int) -> None:
-    """Two of one seed keep in lock-step while fields are renewed, whatever their threads."""
-    one = vector(fields=VARIED, refresh_every=30, threads=1)
-    two = vector(fields=VARIED, refresh_every=30, threads=threads)
+@pytest.mark.parametrize(("threads", "uncertainty"), [(1, None), (3, None), (3, MODELS)])
+def test_a_seed_determines_everything(threads: int, uncertainty: Any) -> None:
+    """Two of one seed keep in lock-step while fields are renewed, whatever their threads.
+
+    Fields are those of one without uncertainty.
+    """
+    one, two = (
+        vector(fields=VARIED, refresh_every=30, threads=each, uncertainty=uncertainty)
+        for each in (1, threads)
+    )
     first_fields = list(one.pool.instances)
+    assert vector(fields=VARIED, refresh_every=30).pool.instances == first_fields
     rng = np.random.default_rng(1)
     seen = [env.reset() for env in (one, two)]
     for _ in range(60):
-        for left, right in zip(parts(seen[0]), parts(seen[1]), strict=True):
-            np.testing.assert_array_equal(left, right)
+        np.testing.assert_equal(seen[0], seen[1])
         np.testing.assert_array_equal(one.action_masks(), two.action_masks())
         actions = choose(one, rng)
         steps = [env.step(actions) for env in (one, two)]
@@ -179,10 +205,7 @@ def test_one_distribution_in_a_sequence_is_that_one() -> None:
     rng = np.random.default_rng(5)
     for _ in range(30):
         actions = choose(one, rng)
-        for mine, theirs in zip(
-            parts(one.step(actions)[0]), parts(other.step(actions)[0]), strict=True
-        ):
-            np.testing.assert_array_equal(mine, theirs)
+        np.testing.assert_equal(one.step(actions)[0], other.step(actions)[0])
     one.close()
     other.close()
 
@@ -216,7 +239,7 @@ def test_seeding_again_begins_again() -> None:
     """A reset after ``seed`` starts from that seed alone; without it, the draws go on."""
     env = vector()
     begun = env.reset()
-    before = {name: part.copy() for name, part in begun.items()}
+    before = copy.deepcopy(begun)
     later = env.reset()
     assert (later["moves"] != before["moves"]).any()
     env.step(choose(env, np.random.default_rng(0)))
@@ -225,9 +248,8 @@ def test_seeding_again_begins_again() -> None:
     other = vector(seed=4)
     other.seed(3)
     same = other.reset()
-    for name, part in before.items():
-        np.testing.assert_array_equal(again[name], part)
-        np.testing.assert_array_equal(same[name], part)
+    np.testing.assert_equal(again, before)
+    np.testing.assert_equal(same, before)
     other.seed(9)
     assert (other.reset()["moves"] != before["moves"]).any()
     env.close()
@@ -253,10 +275,9 @@ def test_observations_lie_in_the_space_and_stay_for_a_step() -> None:
         for _ in range(25):
             for index in range(env.num_envs):
                 assert env.observation_space.contains(rows_of(seen, index))
-            kept = [part.copy() for part in parts(seen)]
+            kept = copy.deepcopy(seen)
             later, rewards, _, infos = env.step(choose(env, rng))
-            for part, copy in zip(parts(seen), kept, strict=True):
-                np.testing.assert_array_equal(part, copy)
+            np.testing.assert_equal(seen, kept)
             for info in infos:
                 if info:
                     assert env.observation_space.contains(info["terminal_observation"])

@@ -1,12 +1,21 @@
-"""Free burns, safety ellipses, releases, launches and captures, against enumeration."""
+"""Free burns, safety ellipses, releases, launches, captures and reserves, against enumeration."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-import pytest
 from against_enumeration import held, held_costs
-from random_rules import captured_campaign, free_mission, full_mission, launched_mission
+from random_rules import (
+    captured_campaign,
+    disposing_campaign,
+    disposing_mission,
+    free_mission,
+    full_mission,
+    launched_mission,
+    reserving_campaign,
+    reserving_mission,
+    rounding_mission,
+)
 from seeds import over_kinds
 
 from adr_opt.mission.problem import Problem
@@ -21,6 +30,9 @@ Draw = Callable[[int], Instance]
     free=(free_mission, range(300), 2),
     launched=(launched_mission, range(300), 4),
     captured=(captured_campaign, range(200), 2),
+    rounding=(rounding_mission, range(300), 2),
+    disposing=(disposing_mission, range(300), 2),
+    reserving=(reserving_mission, range(300), 5),
 )
 def test_enumeration_knows_no_better_plans(draw: Draw, seeds: range) -> None:
     """What is planned passes `check`, and nothing above what is proven can be flown."""
@@ -29,7 +41,12 @@ def test_enumeration_knows_no_better_plans(draw: Draw, seeds: range) -> None:
     assert len(seeds) < 20 or flown > len(seeds)
 
 
-@pytest.mark.slow
-def test_costs_are_those_of_enumeration() -> None:
-    """The same of the cost that is proven least."""
-    held_costs(Problem(full_mission(seed)) for seed in range(100))
+@over_kinds(
+    "draw, seeds",
+    disposing=(disposing_campaign, range(300), 2),
+    reserving=(reserving_campaign, range(300), 4),
+    full=(full_mission, range(100), 3),
+)
+def test_costs_are_those_of_enumeration(draw: Draw, seeds: range) -> None:
+    """The same of the cost that is proven least, of several chasers and with kits too."""
+    held_costs(Problem(draw(seed)) for seed in seeds)

@@ -4,24 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 
-import numpy as np
 import pytest
-from against_enumeration import bound_of_cost, held_costs
+from against_enumeration import bound_of_cost
 from brute_force import brute_force
 from conftest import Cli, refused
-from drawn_expenses import laden_campaign
 from hand_made import hand_made
-from random_rules import (
-    drifting_mission,
-    given_field,
-    given_mission,
-    limited,
-    random_mission,
-    towing_mission,
-)
-from seeds import over_kinds
 from two_chasers import campaign as two_chasers
 
 import adr_opt
@@ -34,68 +22,6 @@ from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.given import of_rows
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import Objective
-
-PRICES = [0.0, None, 5.0, 50.0, 700.0, 1e5]
-"""Of a day [m/s]: nothing, the default, and up to where time alone counts."""
-
-
-def priced(instance: Instance, seed: int) -> Instance:
-    """The same by ΔV with a price of time, drawn."""
-    price = PRICES[int(np.random.default_rng([31, seed]).integers(len(PRICES)))]
-    return instance.replace(objective=Objective(time_m_s_per_day=price))
-
-
-@over_kinds(
-    "draw, seeds",
-    two_body=(random_mission, range(14), 4),
-    j2=(drifting_mission, range(14), 3),
-    given=(given_mission, range(14), 3),
-    towing=(towing_mission, range(14), 7),
-)
-def test_the_least_cost_of_a_chaser_is_that_of_enumeration(draw, seeds):
-    """At any price of time `exact` proves the least cost that enumeration knows."""
-    proven = 0
-    for seed in seeds:
-        instance = priced(draw(6000 + seed), seed)
-        prizes, cost, _ = brute_force(Mission(instance))
-        if not math.isfinite(prizes):
-            continue
-        plan = adr_opt.solve(instance, "exact", time_limit=60.0, cost=True).plan
-        assert adr_opt.check(instance, plan) == (), seed
-        assert plan.objective == pytest.approx(prizes), seed
-        assert plan.cost_bound <= cost * (1.0 + 1e-9) + 1e-6, seed
-        assert plan.cost_status == "optimal", seed
-        assert plan.cost == pytest.approx(cost, rel=2e-6, abs=1e-5), seed
-        proven += plan.cost > plan.delta_v_m_s
-    assert proven >= 0.3 * len(seeds)
-
-
-@over_kinds(
-    "draw, seeds",
-    two_body=(random_mission, range(20), 3),
-    j2=(drifting_mission, range(20), 3),
-    given=(given_field, range(20), 3),
-)
-def test_the_least_cost_of_several_chasers_is_that_of_enumeration(draw, seeds):
-    """No bound on the cost lies above the least, and what is proven to be the least is."""
-    campaigns = []
-    for seed in seeds:
-        instance = laden_campaign(seed, draw)
-        if seed % 5 == 0:
-            instance = limited(instance, seed)
-        campaigns.append(Problem(priced(instance, seed)))
-    held_costs(campaigns)
-
-
-@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
-def test_no_plan_costs_less_than_the_bound(draw):
-    """After each round of a proof the bound holds, however dear the plan known and a day are."""
-    closed = 0
-    for seed in range(15):
-        mission = Mission(priced(draw(7000 + seed), seed))
-        bound, cost = bound_of_cost(mission, 2.0) or (0.0, math.inf)
-        closed += bound >= cost * (1.0 - 1e-6) - 1e-6
-    assert closed > 5
 
 
 @pytest.mark.parametrize("dearer_first", [False, True])

@@ -10,13 +10,11 @@ from functools import cache
 import numpy as np
 import pytest
 from altitude_profile import Burns, coasts, crosses, on_circle, profile
-from brute_force import brute_force
 from every_sequence import Flown, of_pair
 from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 from seeds import over_kinds
 
 import adr_opt
-from adr_opt.common.errors import MissingExtra
 from adr_opt.kernels.legs import burns as burn_kernels
 from adr_opt.kernels.legs.burns import PHASES
 from adr_opt.legs.connection_finder import ConnectionFinder
@@ -25,14 +23,10 @@ from adr_opt.plan.plan import InstanceReference, Leg
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.orbit import Orbit
 from adr_opt.problem.settings import KeepOutZone, Objective
-from adr_opt.run.methods import BOUNDS, PLANNERS, names
 from adr_opt.sources.generator import by_name
 
 MARGIN_M, MARGIN_S = 1.0, 0.01
 """Rounding, far below what a zone measures."""
-
-ITERATIONS = 3
-LIMIT_S = 10.0
 
 
 @cache
@@ -257,51 +251,3 @@ def test_a_chaser_shut_in_for_good_stays() -> None:
         assert plan.legs == ()
         assert {entry.reason for entry in plan.unvisited} == {"no-transfer"}
         assert adr_opt.check(shut.instance, plan) == ()
-
-
-TINY = [(seed, zones) for seed in (20, 21, 22) for zones in (3, 8)]
-
-
-@cache
-def tiny(seed: int, zones: int) -> Mission:
-    return Mission(adr_opt.generate("tiny", seed, zones=zones), threads=1)
-
-
-@cache
-def optimum(seed: int, zones: int) -> float:
-    return brute_force(tiny(seed, zones))[0]
-
-
-def test_zones_change_optima() -> None:
-    """The zoned tiny instances below are no idle test: zones cost visits in most of them."""
-    worse = [optimum(seed, zones) < optimum(seed, 0) for seed, zones in TINY]
-    assert sum(worse) > len(TINY) // 2
-    assert max(optimum(*which) for which in TINY) > 1.0
-
-
-@pytest.mark.parametrize("method", names(PLANNERS))
-def test_planners_meet_zones(method: str) -> None:
-    """Every planner's plan on zoned instances is legal and no better than brute force."""
-    for which in TINY:
-        try:
-            result = adr_opt.solve(tiny(*which), method, iterations=ITERATIONS, time_limit=LIMIT_S)
-        except MissingExtra as missing:
-            pytest.skip(str(missing))
-        assert result.plan is not None
-        assert adr_opt.check(tiny(*which).instance, result.plan) == ()
-        assert result.objective <= optimum(*which) + 1e-9
-        assert result.upper_bound >= optimum(*which) - 1e-6
-        if result.status == "optimal":
-            assert result.objective == pytest.approx(optimum(*which))
-
-
-@pytest.mark.parametrize("method", names(BOUNDS))
-def test_bounds_meet_zones(method: str) -> None:
-    """Every bound on zoned instances is at least what brute force finds."""
-    for which in TINY:
-        try:
-            result = adr_opt.bound(tiny(*which), method, iterations=ITERATIONS, time_limit=LIMIT_S)
-        except MissingExtra as missing:
-            pytest.skip(str(missing))
-        assert math.isfinite(result.upper_bound)
-        assert result.upper_bound >= optimum(*which) - 1e-6

@@ -23,15 +23,6 @@ def external(folder: str) -> list[pytest.MarkDecorator]:
     return [pytest.mark.external, pytest.mark.skipif(not path.is_dir(), reason=missing)]
 
 
-def broken(tmp_path: Path, source: Path, old: str, new: str, count: int = 1) -> Path:
-    """A copy of a file of which a text is something else."""
-    text = source.read_text(encoding="utf-8")
-    assert old in text
-    copy = tmp_path / source.name
-    copy.write_text(text.replace(old, new, count), encoding="utf-8")
-    return copy
-
-
 def pull(_, state):
     """The contest's equations of motion."""
     x, y, z = state[:3]

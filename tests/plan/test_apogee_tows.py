@@ -8,9 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from against_enumeration import held, held_costs
-from random_rules import disposing, disposing_campaign, disposing_mission
-from seeds import over_kinds, over_seeds
+from random_rules import disposing
+from seeds import over_seeds
 from towed_fields import field
 
 import adr_opt
@@ -30,7 +29,6 @@ from adr_opt.judge.refined.verdict import check_refined
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.legs.connection_finder import ConnectionFinder
-from adr_opt.mission.problem import Problem
 from adr_opt.plan.after_tows import pieced_of
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedPlan, reference
@@ -132,19 +130,6 @@ def planned(dynamics: str, disposal: str = "circle") -> tuple[Instance, Plan]:
 def flown(disposal: str) -> RefinedPlan:
     """That under J2 refined."""
     return refine(*planned("j2", disposal), jobs=1)
-
-
-@over_kinds("seeds", mission=(range(300), 2))
-@pytest.mark.parametrize("method", ["auto", "greedy"])
-def test_plans_of_eccentric_objects_are_the_best(method: str, seeds: range) -> None:
-    """Enumeration knows nothing above what is proven, and `check` finds nothing in what is made."""
-    held([Problem(disposing_mission(seed)) for seed in seeds], method)
-
-
-@over_kinds("seeds", campaign=(range(300), 2))
-def test_campaigns_of_eccentric_objects_are_the_best(seeds: range) -> None:
-    """The same of several chasers, also with kits, of the cost as well."""
-    held_costs([Problem(disposing_campaign(seed)) for seed in seeds])
 
 
 @over_seeds(range(40), gate=3)

@@ -93,25 +93,6 @@ def test_one_timetable_serves_all_tanks_and_shorter_missions() -> None:
         mission.with_limits(delta_v_m_s=-1.0)
 
 
-def test_connections_that_are_listed_are_kept_for_shorter_missions() -> None:
-    """Under J2 a shorter mission takes the connections of the longer one; another tank does not."""
-    instance = adr_opt.generate("tiny", 1, targets=4).replace(dynamics="j2")
-    mission = adr_opt.Mission(instance)
-    mission.rules  # noqa: B018  builds the timetable
-    asked: list[tuple[int, int]] = []
-    whole = mission.connecting.kept_of_model
-    mission.connecting.kept_of_model = lambda i, j: asked.append((i, j)) or whole(i, j)
-    half = mission.with_limits(instance.mission.duration_s / 2)
-    plan = adr_opt.solve(half, "greedy-guarded").plan
-    assert adr_opt.check(half.instance, plan) == ()
-    assert len(set(asked)) == 20
-    asked.clear()
-    small = mission.with_limits(delta_v_m_s=300.0)
-    plan = adr_opt.solve(small, "greedy-guarded").plan
-    assert adr_opt.check(small.instance, plan) == ()
-    assert asked == []
-
-
 def test_campaigns_have_their_limits_changed_too() -> None:
     """All chasers of a campaign get the same tank, over the connections that are known."""
     whole = adr_opt.mission.problem.Problem(campaign())

@@ -5,30 +5,15 @@ from __future__ import annotations
 import math
 
 import pytest
-from against_enumeration import held, held_costs
-from random_rules import disposing_mission, reserving_campaign, reserving_mission
+from random_rules import disposing_mission, reserving_mission
 from seeds import over_kinds, over_seeds
 from towed_fields import TANK, field
 
 import adr_opt
 from adr_opt.analysis import price
 from adr_opt.common.errors import InputError
-from adr_opt.mission.problem import Problem
 from adr_opt.problem.chasers import Tank, TankByMass
 from adr_opt.problem.rules import RULES
-
-
-@over_kinds("seeds", mission=(range(300), 5))
-@pytest.mark.parametrize("method", ["auto", "greedy"])
-def test_plans_that_keep_a_reserve_are_the_best(method: str, seeds: range) -> None:
-    """Enumeration knows nothing above what is proven, and `check` finds nothing in what is made."""
-    held([Problem(reserving_mission(seed)) for seed in seeds], method)
-
-
-@over_kinds("seeds", campaign=(range(300), 4))
-def test_campaigns_that_keep_reserves_are_the_best(seeds: range) -> None:
-    """The same of several chasers, with all that campaigns may have, of the cost as well."""
-    held_costs([Problem(reserving_campaign(seed)) for seed in seeds])
 
 
 @over_seeds(range(60), gate=8)

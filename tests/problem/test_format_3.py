@@ -121,16 +121,6 @@ def test_the_newer_format_has_no_older_words(part: str, field: str, value: float
         adr_opt.load(stated)
 
 
-@pytest.mark.parametrize("format_", [FORMER, FORMAT])
-def test_a_key_that_stands_twice_is_refused(format_: str, tmp_path: Path) -> None:
-    """Reading in other words drops no key unseen."""
-    text = adr_opt.generate("tiny", 0).to_json().replace(FORMER, format_)
-    path = tmp_path / "twice.json"
-    path.write_text(text.replace('"name"', '"name": "a", "name"', 1))
-    with pytest.raises(InputError, match='field "name" occurs twice'):
-        adr_opt.load(path)
-
-
 @pytest.mark.parametrize(
     ("changes", "said"),
     [

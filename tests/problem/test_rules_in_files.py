@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from brute_force import brute_force
 from conftest import Cli
 from hand_made import OPTIMAL_PLAN, PERIOD_S, hand_made
 
@@ -20,8 +19,6 @@ import adr_opt
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.plan.expense import cost_of_routes
-from adr_opt.plan.plan import Plan, load_plan
-from adr_opt.problem.instance import Instance
 
 Content = dict[str, Any]
 Change = Callable[[Content], None]
@@ -61,116 +58,10 @@ def service(content: Content, **given: float) -> None:
     content["mission"].update(given)
 
 
-def ends_of(plan: Plan) -> dict[str, float]:
-    """When the last service at each body ends, in periods."""
-    return {leg.destination: leg.end_s / PERIOD_S for leg in plan.legs}
-
-
 def write(change: Change, path: str = "instance.json") -> None:
     content = json.loads(hand_made().to_json())
     change(content)
     Path(path).write_text(json.dumps(content), encoding="utf-8")
-
-
-def solved(cli: Cli, change: Change) -> tuple[Instance, Plan]:
-    """A variant as a file, planned, checked, and as good as enumeration says."""
-    write(change)
-    outcome = cli("solve", "instance.json", "--time-limit", 20, "--out", "plan.json", "--quiet")
-    assert outcome.status == 0, outcome.err
-    assert cli("check", "instance.json", "plan.json").status == 0
-    instance, plan = adr_opt.load("instance.json"), load_plan("plan.json")
-    assert plan.status == "optimal"
-    assert plan.objective == pytest.approx(brute_force(Mission(instance))[0])
-    return instance, plan
-
-
-def test_a_window_closes(cli: Cli) -> None:
-    """A target whose window closes early is serviced first, and the others as far as they fit."""
-    _, plan = solved(cli, lambda content: target(content, NORTH, window_s=[0.0, 3.1 * PERIOD_S]))
-    # Without the window all three fit, but north comes third.
-    assert plan.objective == 2.0
-    # Worth more than both others, it is in the plan.
-    _, plan = solved(
-        cli, lambda content: target(content, NORTH, window_s=[0.0, 3.1 * PERIOD_S], prize=5.0)
-    )
-    assert plan.objective == 6.0
-    assert plan.legs[0].destination == "north"
-    assert ends_of(plan)["north"] <= 3.1
-
-
-def test_a_window_opens(cli: Cli) -> None:
-    """Service at a target waits for its window; a chaser that arrives earlier stays there."""
-    _, plan = solved(cli, lambda content: target(content, SOUTH, window_s=[12.9 * PERIOD_S, None]))
-    assert plan.objective == 2.0
-    _, plan = solved(
-        cli, lambda content: target(content, SOUTH, window_s=[12.9 * PERIOD_S, None], prize=5.0)
-    )
-    assert plan.legs[-1].destination == "south"
-    assert plan.legs[-1].arrival_s < 12.9 * PERIOD_S
-    assert ends_of(plan)["south"] == pytest.approx(13.9)
-
-
-def test_a_required_target(cli: Cli) -> None:
-    """A required target is serviced even if it has no prize and costs others."""
-
-    def change(content: Content) -> None:
-        target(content, BEYOND, prize=0.0, required=True)
-        content["mission"]["duration_s"] = 7.0 * PERIOD_S
-
-    _, plan = solved(cli, change)
-    assert "beyond" in plan.destinations
-    assert plan.objective == 1.0
-
-
-def test_a_chaser_is_available(cli: Cli) -> None:
-    """A chaser leaves no earlier, and has serviced all no later, than it is available."""
-    available = [0.9 * PERIOD_S, 10.0 * PERIOD_S]
-    _, plan = solved(cli, lambda content: chaser(content, available_s=available))
-    assert plan.objective == 2.0
-    assert plan.legs[0].departure_s >= available[0]
-    assert plan.legs[-1].end_s <= available[1]
-
-
-def test_most_targets(cli: Cli) -> None:
-    """A chaser that may service two targets services the best two."""
-    _, plan = solved(
-        cli, lambda content: (target(content, SOUTH, prize=3.0), chaser(content, max_targets=2))[0]
-    )
-    assert plan.objective == 4.0
-    assert sum(leg.destination != "station" for leg in plan.legs) == 2
-
-
-def test_a_mission_ends_at_a_station(cli: Cli) -> None:
-    """A chaser that has to end at a station is there in the end, at the price of a target."""
-    _, plan = solved(cli, lambda content: chaser(content, end={"station": "station"}))
-    assert plan.legs[-1].destination == "station"
-    assert plan.objective == 2.0
-
-
-def test_service_in_seconds(cli: Cli) -> None:
-    """A service in seconds takes these, whatever the orbit; refuelling takes revolutions still."""
-    _, plan = solved(cli, lambda content: service(content, service_s=100.0))
-    assert plan.objective == 3.0
-    for leg in plan.legs:
-        expected = PERIOD_S if leg.destination == "station" else 100.0
-        assert leg.end_s - leg.arrival_s == pytest.approx(expected, abs=1e-3)
-
-
-def test_several_stations(cli: Cli) -> None:
-    """A second station near a target makes another one affordable."""
-    _, plan = solved(cli, little)
-    assert plan.objective == 1.0
-    _, plan = solved(cli, depot)
-    assert plan.objective == 2.0
-    assert "depot" in plan.destinations
-
-
-def test_no_station(cli: Cli) -> None:
-    """Without a station a chaser begins in an orbit and has one tank."""
-    instance, plan = solved(cli, adrift)
-    assert plan.legs[0].origin == instance.chaser.start_name
-    assert plan.objective == 2.0
-    assert plan.legs[-1].delta_v_left_m_s < 300.0 - 2.0 * 130.0
 
 
 @pytest.mark.parametrize(

@@ -413,8 +413,3 @@ def test_bound_names_its_instance(cli: Cli, tiny_file: Path) -> None:
     content = json.loads(cli(*call).out)
     instance = adr_opt.load(tiny_file)
     assert content["instance"] == {"name": instance.name, "sha256": instance.sha256}
-
-
-def test_bound_is_a_public_name() -> None:
-    """`adr_opt.bound` is the call behind the verb."""
-    assert adr_opt.bound is front.bound

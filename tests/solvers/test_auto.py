@@ -51,34 +51,6 @@ def test_tiny_instances_are_proven(path: Path) -> None:
     assert result.upper_bound >= result.objective
 
 
-@pytest.mark.parametrize("iterations", [1, 2, 3, 4])
-def test_cut_short_the_bound_is_valid(iterations: int) -> None:
-    """After any number of rounds, brute force lies between plan and bound."""
-    for seed in (2, 4, 7):
-        instance = adr_opt.generate("tiny", seed, zones=2)
-        mission = Mission(
-            instance.replace(
-                targets=tuple(
-                    target.replace(prize=0.3 + 0.7 * number)
-                    for number, target in enumerate(instance.targets)
-                )
-            ),
-            threads=1,
-        )
-        result = plan(mission, iterations)
-        best, _, _ = brute_force(mission)
-        assert result.objective <= best + 1e-9
-        assert result.upper_bound >= best - 1e-6
-
-
-def test_cores_do_not_change_the_plan(field: Mission) -> None:
-    """One core or two, the same rounds give the same plan and the same bound."""
-    one, two = (plan(field, 4, jobs=jobs) for jobs in (1, 2))
-    assert one.sequence == two.sequence
-    assert one.upper_bound == two.upper_bound
-    assert one.counters == two.counters
-
-
 @over_seeds(range(2), gate=1)
 def test_never_behind_beam(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """A single round does every search of the planner beam, and keeps what is best."""

@@ -14,13 +14,13 @@ from brute_force import brute_force
 from calling import call
 from hand_made import hand_made
 from on_a_layer import best_on_layer
+from varied_fields import variant
 
 import adr_opt
 from adr_opt.common.constants import STATION
-from adr_opt.common.stop import Interrupted, MaxIterations, MaxRuntime
+from adr_opt.common.stop import MaxIterations, MaxRuntime
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
-from adr_opt.problem.instance import Instance
 from solvers.beams import timely_beams
 from solvers.beams.beams import TIME_VALUE_M_S_PER_H, BeamSettings, beam_search, usual_settings
 from solvers.planners.beam import beam
@@ -33,23 +33,6 @@ TINY = sorted((Path(__file__).parents[2] / "instances" / "tiny").glob("*.json"))
 def plan(mission: Mission, **options: Any) -> Result:
     """Search one beam."""
     return call(beam, mission, **{"stop": MaxIterations(1), **options})
-
-
-def variant(seed: int) -> Instance:
-    """4–7 targets with zones, unequal prizes, and any length and budget."""
-    rng = np.random.default_rng(seed)
-    targets = int(rng.integers(4, 8))
-    instance = adr_opt.generate("tiny", 200 + seed, targets=targets, zones=int(rng.integers(0, 4)))
-    prizes = rng.uniform(0.5, 4.0, targets).round(2)
-    return instance.replace(
-        targets=tuple(
-            target.replace(prize=float(prize))
-            for target, prize in zip(instance.targets, prizes, strict=True)
-        )
-    ).with_limits(
-        duration_s=86400.0 * float(rng.uniform(0.6, 2.0)),
-        delta_v_m_s=float(rng.uniform(300.0, 2500.0)),
-    )
 
 
 @pytest.fixture(scope="module")
@@ -239,13 +222,3 @@ def test_more_than_64_targets() -> None:
         )
     )
     assert plan(Mission(last, threads=1), width=200).objective >= 3.0
-
-
-def test_interrupted_before_it_begins() -> None:
-    """Told to stop at once, it returns the plan that visits nothing."""
-    stop = Interrupted()
-    stop.interrupt()
-    mission = Mission(hand_made(), threads=1)
-    result = plan(mission, stop=stop)
-    assert result.sequence == ()
-    assert result.counters["states"] == 0

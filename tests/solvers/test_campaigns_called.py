@@ -50,17 +50,6 @@ def test_methods_for_one_chaser_say_so(instance: Instance) -> None:
         adr_opt.solve(instance, "auto", bound="lagrangian")
 
 
-def test_the_command_line_says_so_too(cli: Cli, instance: Instance) -> None:
-    """`solve` and `bound` with such a method are one sentence and exit 2."""
-    with open("two.json", "w", encoding="utf-8") as file:
-        file.write(instance.to_json())
-    sentence = "does not follow several chasers (field chasers)"
-    others = "auto, exact, greedy, greedy-guarded, ortools"
-    refused(cli("solve", "two.json", "--method", "beam"), "'beam'", sentence, others)
-    refused(cli("bound", "two.json", "--method", "lagrangian"), "'lagrangian'", sentence, "exact")
-    refused(cli("solve", "two.json", "--bound", "lagrangian"), "'lagrangian'", *sentence)
-
-
 @pytest.mark.parametrize("method", ["auto", pytest.param("exact", marks=pytest.mark.slow)])
 @pytest.mark.slow
 def test_the_same_rounds_give_the_same_plan(method: str) -> None:
@@ -200,31 +189,3 @@ def test_a_target_is_done_once_by_one_chaser(instance: Instance, plan: Plan) -> 
     # There is no plan where that chaser cannot fly, whatever the others do.
     stays = ends.replace(chasers=(ends.chasers[0], bound.replace(max_targets=0)))
     assert adr_opt.solve(stays, "exact", time_limit=60.0).plan is None
-
-
-def test_most_targets_add_up(instance: Instance) -> None:
-    """What chasers may service at most is each one's own, and their sum bounds the campaign."""
-    chasers = [
-        chaser.replace(max_targets=most)
-        for chaser, most in zip(instance.chasers, (1, 0), strict=True)
-    ]
-    limited = instance.replace(chasers=tuple(chasers))
-    result = adr_opt.solve(limited, "auto", time_limit=60.0)
-    assert (result.objective, result.status) == (1.0, "optimal")
-    assert result.routes[1] == ()
-    assert Problem(limited).most_targets == 1
-    assert Problem(instance).most_targets is None
-
-
-def test_a_margin_is_kept_of_every_tank(instance: Instance) -> None:
-    """No route of a plan with a margin spends the reserve, and the notes name what is kept back."""
-    other = instance.chasers[1]
-    tank = other.tank.replace(delta_v_m_s=500.0)
-    several = instance.replace(chasers=(instance.chasers[0], other.replace(tank=tank)))
-    result = adr_opt.solve(several, "auto", time_limit=60.0, margin=0.2)
-    assert adr_opt.check(several, result.plan) == ()
-    for chaser, route in zip(several.chasers, result.plan.routes, strict=True):
-        least = min((leg.delta_v_left_m_s for leg in route.legs), default=chaser.tank.delta_v_m_s)
-        assert least >= 0.2 * chaser.tank.delta_v_m_s - 1e-6
-    assert result.plan.upper_bound is None
-    assert any("20 % of each tank (100 or 120 m/s)" in note for note in result.notes)

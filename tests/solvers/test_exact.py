@@ -9,17 +9,16 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from brute_force import brute_force
 from calling import call
-from exact_variants import variant
 from judge import accepted
 from resonant_fields import RARE, resonant
-from seeds import first_of, over_seeds
+from seeds import over_seeds
+from varied_fields import variant
 
 import adr_opt
 from adr_opt.common.errors import MissingExtra
@@ -30,34 +29,10 @@ from adr_opt.problem.instance import Instance
 from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, spec
 from solvers.planners.exact import exact
 
-TINY = sorted((Path(__file__).parents[2] / "instances" / "tiny").glob("*.json"))
-
 
 def prove(mission: Mission, stop: Any = None, **options: Any) -> Result:
     """Run the exact method, to its end unless told otherwise."""
     return call(exact, mission, stop=stop or MaxRuntime(60.0), **{"jobs": 1, **options})
-
-
-@pytest.mark.parametrize("path", first_of(TINY, gate=4), ids=lambda path: path.stem)
-def test_equals_brute_force_on_the_tiny_family(path: Path) -> None:
-    """Every committed tiny instance is proven, with the objective that brute force finds."""
-    mission = Mission(adr_opt.load(path), threads=1)
-    result = prove(mission)
-    assert result.status == "optimal"
-    assert result.objective == brute_force(mission)[0]
-    assert result.upper_bound == pytest.approx(result.objective)
-
-
-@over_seeds(range(30), gate=3)
-def test_equals_brute_force_on_variants(seed: int) -> None:
-    """So are variants with zones, unequal prizes, short tanks and short missions."""
-    mission = Mission(variant(seed), threads=1)
-    result = prove(mission)
-    assert result.status == "optimal"
-    assert result.objective == pytest.approx(brute_force(mission)[0])
-    assert result.upper_bound == pytest.approx(result.objective, abs=1e-5)
-    assert result.plan is not None
-    assert adr_opt.check(mission.instance, result.plan) == ()
 
 
 @over_seeds(range(10), gate=3)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from seeds import over_seeds
-from small_missions import DAY_S, featured_mission, network_of, random_mission
+from small_missions import DAY_S, network_of, random_mission, ruled_mission
 
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.chasers import InOrbit
@@ -30,7 +30,7 @@ def fits(found, legs, rules):
     return True
 
 
-@pytest.mark.parametrize("mission_of", [random_mission, featured_mission])
+@pytest.mark.parametrize("mission_of", [random_mission, ruled_mission])
 @over_seeds(range(60), gate=6)
 def test_network_holds_the_plans(seed, mission_of):
     """The best plan is a path of the network, whole or cut down, and such a path can be flown."""
@@ -52,7 +52,7 @@ def test_network_holds_the_plans(seed, mission_of):
 @over_seeds(range(60), gate=6)
 def test_paths_are_schedules(seed):
     """Every path of the network that visits no target twice can be flown as the rules have it."""
-    mission = featured_mission(seed)
+    mission = ruled_mission(seed)
     rules, found = mission.rules, network_of(mission)
     rng = np.random.default_rng(seed)
     for _ in range(5):
@@ -91,7 +91,7 @@ def test_a_network_without_what_is_needed_is_caught(monkeypatch):
     assert any(map(lost, range(40)))
 
 
-@pytest.mark.parametrize("mission_of", [random_mission, featured_mission])
+@pytest.mark.parametrize("mission_of", [random_mission, ruled_mission])
 @over_seeds(range(60), gate=6)
 def test_reduced_costs_never_remove_the_best_plan(seed, mission_of):
     """For any multipliers and slots every leg of the best plan may belong to one worth as much."""

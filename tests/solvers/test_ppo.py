@@ -24,7 +24,7 @@ torch = pytest.importorskip("torch")
 
 from adr_opt.learning.environment import Fields  # noqa: E402
 from adr_opt.learning.environment.vector import MissionVecEnv  # noqa: E402
-from adr_opt.learning.training.network import SetNetwork  # noqa: E402
+from adr_opt.learning.training.policy_network import SetNetwork  # noqa: E402
 
 FILE = Path(adr_opt.__file__).parent / "learning" / "weights" / "policy.npz"
 
@@ -247,13 +247,3 @@ def test_scores_without_measure_are_refused(bias: float, tmp_path: Path) -> None
     Policy(arrays, {}).save(tmp_path / "low.npz")
     with pytest.raises(InputError, match=r"beyond 1e\+08"):
         adr_opt.solve(adr_opt.generate("tiny", 0), method="ppo", policy=str(tmp_path / "low.npz"))
-
-
-def test_command_line_says_what_is_wrong_with_a_policy(cli, tiny_file: Path) -> None:
-    """A file that is no policy ends ``solve`` with exit code 2 and one sentence."""
-    outcome = cli("solve", tiny_file, "--method", "ppo", "--policy", tiny_file)
-    assert outcome.status == 2
-    assert "is not a file of a policy" in outcome.err
-    assert "Traceback" not in outcome.err
-    assert cli("solve", tiny_file, "--method", "ppo", "--decode", "guess").status == 2
-    assert cli("solve", tiny_file, "--method", "greedy", "--decode", "beam").status == 2

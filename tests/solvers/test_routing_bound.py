@@ -11,7 +11,7 @@ from brute_force import brute_force
 from calling import prove
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from seeds import over_seeds
-from small_missions import TINY, featured_mission, random_mission
+from small_missions import TINY, random_mission, ruled_mission
 
 import adr_opt
 from adr_opt.mission.mission import Mission
@@ -31,7 +31,7 @@ def test_routing_bound_is_valid(seed):
 @over_seeds(range(80), gate=6)
 def test_routing_bound_is_valid_with_every_feature(seed):
     """So it does with several stations or none, windows, ends, and a start of its own."""
-    mission = featured_mission(1000 + seed)
+    mission = ruled_mission(1000 + seed)
     optimum, _, best = brute_force(mission)
     least = optimum - 1e-9
     assert prove(routing_bound, mission).upper_bound >= least
@@ -42,7 +42,7 @@ def test_routing_bound_is_valid_with_every_feature(seed):
 @over_seeds(range(30), gate=3)
 def test_static_costs_out_of_time(seed):
     """Costs known in closed form, where time is short, are nowhere above the best of all legs."""
-    mission = featured_mission(seed)
+    mission = ruled_mission(seed)
     costs, quick = static_costs(mission), static_costs(mission, lambda: True)
     there = costs.delta_v >= 0
     assert np.all(quick.delta_v[there] >= 0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import json
 import math
 import os
 import sys
@@ -11,7 +10,6 @@ from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 
-import jsonschema
 import numpy as np
 import pytest
 from hand_made import RADIUS_M, hand_made
@@ -73,13 +71,6 @@ def test_more_chasers_and_stations_leave_the_field_as_it_is():
         assert by_name(changed.name) == changed
     with pytest.raises(adr_opt.InputError):
         adr_opt.generate("rocket-bodies", 3, stations=2)
-
-
-def test_known_bytes():
-    """The generator's stream is pinned: a change of any digit changes this checksum."""
-    assert adr_opt.generate("nominal", 7, zones=6).sha256 == (
-        "036d9c211cf8750df6f6f7a08b693cfb78656f99fae67287d609b633afcc12d5"
-    )
 
 
 BELT = ["tiny", "nominal", "reduced-time", "reduced-fuel", "campaign", "large"]
@@ -309,18 +300,6 @@ def test_zones_do_not_change_the_field():
         assert zone.max_altitude_m <= 830e3
         assert 10e3 - 1 <= zone.max_altitude_m - zone.min_altitude_m <= 25e3 + 1
         assert 6 * 3600 - 1 <= zone.end_s - zone.start_s <= 24 * 3600 + 1
-
-
-def test_schema_accepts_what_the_program_writes():
-    """The published JSON Schemas accept instances and plans, and refuse unknown keys."""
-    made = adr_opt.generate("tiny", 2, zones=2)
-    schema = adr_opt.Instance.json_schema()
-    document = json.loads(made.to_json())
-    jsonschema.validate(document, schema)
-    with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(document | {"colour": "red"}, schema)
-    result = adr_opt.solve(made, "greedy-guarded")
-    jsonschema.validate(json.loads(result.plan.to_json()), adr_opt.Plan.json_schema())
 
 
 def test_eccentric_orbit_becomes_its_mean_circle():

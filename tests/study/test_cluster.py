@@ -11,11 +11,9 @@ from typing import Any
 
 import pytest
 from conftest import Cli, refused
-from rated_fields import rated, worths_of_sets
 from study_rows import Rows, squares, told
 
 import adr_opt
-from adr_opt.analysis import Axis, CampaignPrices, design_study, tradeoff
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import MaxIterations
 from adr_opt.fly.refine import refine
@@ -33,22 +31,6 @@ def address() -> Iterator[str]:
         n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
     ) as workers:
         yield workers.scheduler_address
-
-
-@pytest.mark.slow
-def test_a_cluster_trades_as_one_process_does(address: str) -> None:
-    """Plans and bounds of all points are those of this process, and so is what is left to say."""
-    instance = adr_opt.generate("tiny", 2)
-    axes = [Axis("delta-v", (300.0, 600.0, 900.0))]
-    here = tradeoff(instance, axes, method="exact", time_limit=30.0)
-    there = tradeoff(instance, axes, method="exact", time_limit=30.0, cluster=address)
-    for one, other in zip(here.points, there.points, strict=True):
-        assert (one.limits, one.prize, one.upper_bound) == (
-            other.limits,
-            other.prize,
-            other.upper_bound,
-        )
-    assert there.proven == len(there.points)
 
 
 @pytest.mark.slow
@@ -125,22 +107,3 @@ def test_the_row_at_fault_is_given_up(tmp_path: Path, monkeypatch: pytest.Monkey
         2: {"square": 4},
         3: {"square": 9},
     }
-
-
-@pytest.mark.slow
-def test_a_cluster_studies_designs_as_one_process_does(address: str) -> None:
-    """Plans, bounds and worths of all designs are those of this process."""
-    field = rated()
-    here, there = (
-        design_study(
-            field,
-            [Axis("launches", (1.0, 2.0))],
-            worths=worths_of_sets(field),
-            prices=CampaignPrices(10.0),
-            time_limit=60.0,
-            cluster=where,
-        )
-        for where in (None, address)
-    )
-    for one, other in zip(here.points, there.points, strict=True):
-        assert (one.design, one.worth, one.bound) == (other.design, other.worth, other.bound)

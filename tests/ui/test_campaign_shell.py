@@ -246,27 +246,6 @@ def test_a_campaign_is_planned_until_it_holds(dynamics: str) -> None:
     )
 
 
-def test_from_a_field_to_its_files(cli: Cli) -> None:
-    """A generated campaign goes through every verb: each one takes what the one before wrote."""
-    field = ("tiny", "--seed", 1, "--targets", 8, "--chasers", 2, "--stations", 2)
-    assert cli("generate", *field, "--out", "my.json").status == 0
-    names = [chaser.name for chaser in adr_opt.load("my.json").chasers]
-    for step in (
-        ("solve", "my.json", "--time-limit", 20, "--out", "plan.json"),
-        ("check", "my.json", "plan.json"),
-        ("fly", "my.json", "plan.json", "--out", "plan.json"),
-        ("refine", "my.json", "plan.json", "--out", "r.json"),
-        ("fly", "my.json", "r.json", "--samples", 20),
-        ("report", "my.json", "plan.json", "--refined", "r.json", "--out", "page.html"),
-        ("export", "my.json", "plan.json", "--out", "all.czml"),
-        *(("export", "my.json", "plan.json", "--chaser", name, "--out", "a.oem") for name in names),
-        *(("export", "my.json", "r.json", "--chaser", name, "--out", "b.oem") for name in names),
-    ):
-        outcome = cli(*step)
-        assert outcome.status == 0, (step, outcome.out, outcome.err)
-    assert all(route.legs for route in adr_opt.load_plan("plan.json").routes)
-
-
 @pytest.mark.parametrize(
     "call",
     [

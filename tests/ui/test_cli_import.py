@@ -293,6 +293,7 @@ def test_of_duplicates_the_newest_is_kept(cli: Cli) -> None:
         ("<ndm></ndm>", "no element set in it (OMM XML)"),
         ("[]", "no element set in it (OMM JSON)"),
         ("CCSDS_OEM_VERS = 2.0\n", "an OEM, not an OMM"),
+        ('{"format": "adr-opt-instance/3", "epoch": "2026"}', "a JSON object that is not an OMM"),
         ("CCSDS_OMM_VERS = 2.0\n", "field "),
         ("EPOCH,MEAN_MOTION,INCLINATION\n", "line 1: no column ECCENTRICITY"),
         ("NORAD_CAT_ID;EPOCH\n", "no column EPOCH"),

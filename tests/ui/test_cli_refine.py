@@ -12,7 +12,6 @@ import threading
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-import jsonschema
 import numpy as np
 import pytest
 from conftest import Cli, refused
@@ -74,15 +73,6 @@ def test_the_command_line_offers_what_there_is() -> None:
     choices = {option.name: getattr(option.type, "choices", ()) for option in refine_command.params}
     assert tuple(choices["gravity"]) == tuple(FIELDS) == GRAVITIES == all_legs.GRAVITIES
     assert tuple(choices["freedom"]) == FREEDOMS == all_legs.FREEDOMS
-
-
-def test_the_schema_describes_the_file(cli: Cli, mission: Instance) -> None:
-    """`schema refined` accepts what `refine` writes, and nothing of another format."""
-    cli("refine", "my.json", "plan.json", "--out", "refined.json")
-    schema = json.loads(cli("schema", "refined").out)
-    jsonschema.validate(json.loads(Path("refined.json").read_text(encoding="utf-8")), schema)
-    with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate({"format": "other"}, schema)
 
 
 def test_wrong_input_is_one_sentence(cli: Cli, mission: Instance) -> None:

@@ -196,14 +196,6 @@ def test_times_are_written_as_clocks() -> None:
     assert span(25 * 3600.0 + 61.0) == "25:01"
 
 
-def test_same_seed_same_plan_on_the_command_line(cli: Cli, tiny_file: Path) -> None:
-    """The command line gives the plan of the Python call."""
-    outcome = cli("solve", tiny_file, "--method", "greedy", "--option", "beta=0.01", "--json")
-    expected = adr_opt.solve(adr_opt.load(tiny_file), "greedy", beta=0.01).plan
-    assert expected is not None
-    assert json.loads(outcome.out)["routes"] == expected.to_dict()["routes"]
-
-
 @pytest.mark.usefixtures("methods")
 def test_options_are_converted_by_their_defaults(cli: Cli, tiny_file: Path) -> None:
     """--option, --jobs and --iterations reach the planner with their types."""

@@ -121,12 +121,15 @@ def test_where_nothing_was_proven_there_is_no_certificate(cli: Cli, instance: In
 
 def test_wrong_files_are_one_sentence(cli: Cli, instance: Instance) -> None:
     """Too few or too many files, a plan in place of a certificate, another instance."""
-    refused(cli("verify", "i.json"), "an instance, a plan and a certificate")
-    refused(cli("verify", "i.json", "a", "b", "c"), "an instance, a plan and a certificate")
+    refused(cli("verify", "i.json"), "give an instance, a certificate")
+    refused(cli("verify", "i.json", "a", "b", "c"), "give an instance, a certificate")
     refused(cli("verify", "i.json", "i.json"), "i.json", "field")
     cli("bound", "i.json", "--method", "exact", "--certificate", "c.json")
     adr_opt.generate("tiny", 4).save("other.json")
     refused(cli("verify", "other.json", "c.json"), "c.json: the certificate belongs to")
+    adr_opt.solve("other.json", method="greedy").plan.save("p.json")
+    refused(cli("verify", "i.json", "p.json", "c.json"), "p.json: the plan belongs to")
+    refused(cli("verify", "i.json", "c.json", "--labels", "l.npz"), "adr-opt: l.npz: no such file")
 
 
 def test_there_are_only_so_many_connections(cli: Cli, instance: Instance) -> None:

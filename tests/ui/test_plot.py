@@ -205,15 +205,6 @@ def test_orbits_in_space(flown) -> None:
     pyplot.close(figure)
 
 
-def test_a_plan_of_another_instance_is_refused(flown, ax) -> None:
-    """A plan is not flown over an instance that it was not made for."""
-    with pytest.raises(adr_opt.InputError, match="belongs to the instance"):
-        plot.altitude(ax, adr_opt.generate("tiny", 0), flown[1])
-    for draw in (plot.gantt, plot.delta_v_left, plot.planes):
-        with pytest.raises(adr_opt.InputError, match="belongs to the instance"):
-            draw(ax, adr_opt.generate("tiny", 0), flown[1])
-
-
 def test_a_flat_axis_is_refused_where_space_is_drawn(ax) -> None:
     """What is drawn in space says which axis it needs."""
     with pytest.raises(adr_opt.InputError, match="projection='3d'"):

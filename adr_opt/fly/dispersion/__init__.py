@@ -8,8 +8,8 @@ trajectory (:mod:`.feedback`). A few of the flights are flown again without line
 """
 
 from .errors import FlightErrors
-from .result import Dispersion, LegDispersion, Quantile, TankDispersion
 from .sample import sample_flights, usable_tank
+from .spread import Dispersion, LegDispersion, Quantile, TankDispersion
 
 __all__ = [
     "Dispersion",

@@ -24,7 +24,7 @@ from ..flight.tanks import TankLegs, legs_by_tank, refined_routes
 from .displaced import DisplacedBodies
 from .errors import FlightErrors
 from .flown_leg import LegFlights, fly_leg
-from .result import Dispersion, LegDispersion, Linearity, Quantile, TankDispersion
+from .spread import Dispersion, LegDispersion, Linearity, Quantile, TankDispersion
 
 LEAST_SHARE = 0.01
 """Smallest usable share that is stated."""

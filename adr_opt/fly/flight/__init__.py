@@ -16,9 +16,9 @@ another integrator than the one it was made with.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from .flights import Flight, LegFlight, TankFlight
 from .fly import fly
 from .mean_flight import MeanFlight, fly_mean
-from .result import Flight, LegFlight, TankFlight
 
 __all__ = [
     "Flight",

@@ -16,9 +16,9 @@ from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ..trajectory.bodies import body_states
+from .flights import Flight, LegFlight
 from .flyable import refuse_what_cannot_be_flown
 from .mean_flight import MeanDynamics, is_between_circles
-from .result import Flight, LegFlight
 from .retargeted import Aim
 from .tanks import burnt_m_s, plan_tanks
 from .two_body import State, TwoBody, distance

@@ -27,8 +27,8 @@ from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ..trajectory.bodies import body_states, leaving_state
 from ..trajectory.kepler import drift
+from .flights import TankFlight, whole_sum
 from .flyable import refuse_what_cannot_be_flown
-from .result import TankFlight, whole_sum
 from .retargeted import Aim
 from .tanks import burnt_m_s, plan_tanks
 from .two_body import State, TwoBody

@@ -8,7 +8,7 @@ from typing import Any
 from ...judge.check.violation import Violation
 from ...judge.refined.holding import LEAST_SHARE, SPARE_M_S
 from ...judge.refined.thrust import MOST_SHADOW_S
-from .result import TankFlight, WithTanks
+from .flights import TankFlight, WithTanks
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """Largest miss of a stand-off or target at arrival, in position [m] and velocity [m/s]."""

@@ -13,7 +13,7 @@ from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...plan.routes import Flown, by_tank, refused_chaser, routes_of, several
 from ...problem.chasers import Chaser
 from ...problem.instance import Instance
-from .result import TankFlight
+from .flights import TankFlight
 
 
 def burnt_m_s(leg: Leg) -> float:

@@ -8,7 +8,7 @@ same forces since the departure; with each what a correction from a revolution b
 """
 
 from .flown import fly_forced
-from .result import ForcedFlight, ForcedLeg, Off
+from .forced_flight import ForcedFlight, ForcedLeg, Off
 from .settings import Forces
 
 __all__ = ["ForcedFlight", "ForcedLeg", "Forces", "Off", "fly_forced"]

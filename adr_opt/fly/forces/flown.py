@@ -27,12 +27,12 @@ from ...plan.launched import as_launched
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...problem.frame import Frame
 from ...problem.instance import Instance
+from ..flight.flights import TankFlight
 from ..flight.refined import PlannedLeg, planned_legs, refuse_strangers
-from ..flight.result import TankFlight
 from ..flight.tanks import legs_by_tank, tanks_of
 from ..refine.least import least_impulses
+from .forced_flight import ForcedFlight, ForcedLeg, Off, total
 from .library import Moving, PushedWindow, World, pushes
-from .result import ForcedFlight, ForcedLeg, Off, total
 from .settings import Forces
 
 PLACES = 12

@@ -19,8 +19,8 @@ from ...plan.routes import Flown, routes_of, weighed
 from ...plan.tows import removals_by_name
 from ...problem.chasers import AtStation
 from ...problem.instance import Instance
+from ..flight.flights import tank_name
 from ..flight.refined_result import MOST_RELEASE_ECCENTRICITY, MOST_RELEASE_OFF_M
-from ..flight.result import tank_name
 from ..flight.tanks import legs_by_tank, tanks_of
 from .bodies import Whereabouts, near_circle, state_of
 from .tow import towed

@@ -1,9 +1,9 @@
 """Check of a lower bound on ΔV: no walk that is worth enough, or set of walks, takes less.
 
-Walks are those of :mod:`.walks`, and pay for their ΔV, that of tows included, and, where that has a
-price, for the time until they end. A plan that is worth W or more and costs less than C counts more
-than λ W − C at a price λ of worth, and its routes are walks. So if no walk of a single chaser that
-is worth as much counts as much, there is no such plan.
+Walks are those of :mod:`.walk_questions`, and pay for their ΔV, that of tows included, and, where
+that has a price, for the time until they end. A plan that is worth W or more and costs less than C
+counts more than λ W − C at a price λ of worth, and its routes are walks. So if no walk of a single
+chaser that is worth as much counts as much, there is no such plan.
 
 Of several chasers the walks pay multipliers π and cuts σ besides, once each for all routes of a
 plan together: it counts more than λ W − C − Σ π − Σ σ, and there is no such plan if the most of
@@ -25,7 +25,7 @@ from ..check.towed import towed_bodies
 from .claim import difference_of, remembered, worths_of
 from .legs import legs_of
 from .lists import Lists
-from .walks import Paying, WalkAnswer, refuted, walk_question, walks_reach
+from .walk_questions import Paying, WalkAnswer, refuted, walk_question, walks_reach
 
 SLACK, LEAST_SLACK = Fraction(1, 10**10), Fraction(1, 2**50)
 """Share by which the worth of walks may fall short, to cover rounding in sums of prizes, and its

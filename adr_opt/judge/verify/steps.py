@@ -1,8 +1,8 @@
 """Check whether walks on a large field collect the stated amount, by a table of time steps.
 
-Where there are too many legs for labels (:mod:`.walks`) the table by which these look ahead
-(:mod:`.completion`) is all there is, in steps of one length. It is coarser than walks are, always
-so that they may do more. So amounts that it excludes are never collected.
+Where there are too many legs for labels (:mod:`.walk_questions`) the table by which these look
+ahead (:mod:`.completion`) is all there is, in steps of one length. It is coarser than walks are,
+always so that they may do more. So amounts that it excludes are never collected.
 
 A leg is four small numbers, and each body's legs are worked out and thinned before those of the
 next one, so that hundreds of millions find room.

@@ -28,7 +28,7 @@ from .names import check_names
 from .rules import FOLLOWS
 from .steps import most_in_steps
 from .terms import terms_of
-from .walks import WalkAnswer, refuted, walk_question, walks_reach
+from .walk_questions import WalkAnswer, refuted, walk_question, walks_reach
 
 CONNECTIONS = 1000
 """Number of connections flown again."""

@@ -25,7 +25,7 @@ from ..policy import Policy
 from .checkpoints import read_checkpoint, write_checkpoint
 from .configs import Config
 from .imitation import imitate
-from .network import SetPolicy
+from .policy_network import SetPolicy
 from .runs import TrainingRun, locked
 
 Report = Callable[[int, Mapping[str, float]], None]

@@ -162,10 +162,12 @@ def _one(item: Any, source: str, line: int, ordinal: int) -> ElementSet | Droppe
 
 
 def _refuse_message(item: Any, source: str) -> None:
-    if isinstance(item, dict) and not any(omm.keyword(key) in omm.FIELDS for key in item):
+    if not isinstance(item, dict):
+        return
+    if "format" in item or not any(omm.keyword(key) in omm.FIELDS for key in item):
         raise InputError(
             f"{source}: a JSON object that is not an OMM, but reads {shown(json.dumps(item), 60)}; "
-            "download the catalogue again"
+            "give a catalogue"
         )
 
 

@@ -24,7 +24,7 @@ from .parameters import (
 
 if TYPE_CHECKING:
     from ...fly.flight import Flight
-    from ...fly.flight.result import LegFlight
+    from ...fly.flight.flights import LegFlight
     from ...plan.plan import Plan
 
 MOTIONS = {"two-body": "two-body motion", "j2": "mean motion under J2"}

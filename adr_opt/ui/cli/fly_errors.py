@@ -177,7 +177,7 @@ def tell(dispersion: Dispersion, shown: SetsCompared | None = None) -> None:
 
 def said(dispersion: Dispersion) -> list[str]:
     """The outcome of flights with errors, in sentences."""
-    from ...fly.flight.result import tank_name
+    from ...fly.flight.flights import tank_name
 
     share = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
     errors = dispersion.errors

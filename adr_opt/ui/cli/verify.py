@@ -61,7 +61,9 @@ def command(
     Without PLAN, the bound alone is verified. Ctrl-C ends it at once. Exit status 1: refused.
     """
     if not 1 <= len(paths) <= 2:
-        raise InputError("verify takes an instance, a plan and a certificate; name all three")
+        raise InputError(
+            "give an instance, a certificate and, between them, a plan if it is judged"
+        )
     from ...judge.admit import admit
     from ...judge.verify import verify
     from ...judge.verify.verdict import CONNECTIONS
@@ -79,19 +81,22 @@ def command(
     tried = CONNECTIONS if connections is None else connections
     with about(path):
         certificate = admit(instance, read).plan
-        verdict = attend(
-            lambda: verify(
-                instance,
-                plan,
-                certificate,
-                seed=seed,
-                connections=tried,
-                labels=labels,
-                save_labels=save_labels,
-            ),
-            "verifying",
-            live=wanted(as_json, quiet=False),
-        )
+    if plan is not None:
+        with about(paths[0]):
+            plan.instance.refuse_other(instance)
+    verdict = attend(
+        lambda: verify(
+            instance,
+            plan,
+            certificate,
+            seed=seed,
+            connections=tried,
+            labels=labels,
+            save_labels=save_labels,
+        ),
+        "verifying",
+        live=wanted(as_json, quiet=False),
+    )
     if as_json:
         told = {name: getattr(verdict, name) for name in TOLD}
         emit_json({"instance": instance.name, **told})

@@ -86,7 +86,11 @@ def command(
             raise InputError(f"--contact {name}: no such station; use one of: {', '.join(known)}")
     given: dict[str, Array] = {}
     for path in within:
-        for name, intervals in read_windows(path).intervals.items():
+        intervals_of = read_windows(path).intervals
+        strange = intervals_of.keys() - {target.name for target in instance.targets}
+        if strange:
+            raise InputError(f"{path}: {min(strange)!r} is not a target of {instance.name!r}")
+        for name, intervals in intervals_of.items():
             given[name] = common(given[name], intervals) if name in given else intervals
     conditions = CaptureConditions(
         light, sun_angle_deg, tuple(known[name] for name in contacts), mask_deg, given, margin_s

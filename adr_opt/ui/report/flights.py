@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...common.wording import counted
+from ...fly.flight.flights import Flight, LegFlight, TankFlight, legs_named
 from ...fly.flight.refined_result import RefinedFlight
-from ...fly.flight.result import Flight, LegFlight, TankFlight, legs_named
 from ...fly.flight.tanks import tanks_of
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...problem.instance import Instance

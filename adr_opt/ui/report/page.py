@@ -14,9 +14,9 @@ from ...common.files import check_writable, write_text
 from ...common.json_text import loaded
 from ...common.version import __version__
 from ...common.wording import counted, proof_words
+from ...fly.flight.flights import Flight, TankFlight
 from ...fly.flight.fly import fly
 from ...fly.flight.refined_result import RefinedFlight
-from ...fly.flight.result import Flight, TankFlight
 from ...fly.flight.tanks import tanks_of
 from ...judge.admit import Admitted, AnyPlan, AnyRefined, admit
 from ...judge.check.violation import Violation

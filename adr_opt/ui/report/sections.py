@@ -7,8 +7,8 @@ from datetime import UTC
 
 from ...common.constants import DAY_S
 from ...common.wording import counted, proof_words
+from ...fly.flight.flights import Flight
 from ...fly.flight.refined_result import RefinedFlight
-from ...fly.flight.result import Flight
 from ...judge.check.violation import Violation
 from ...plan.leg_kinds import GIVEN
 from ...plan.plan import Plan

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
 from adr_opt.common.constants import DAY_S
-from adr_opt.common.errors import InputError
+from adr_opt.common.files import read_text
 from adr_opt.plan.plan import Plan
 
-from ..reading import read_object
+from ..reading import published
 
 FILE = "jpl_solution.json"
 
@@ -78,24 +79,22 @@ def _missions_of(plan: Plan) -> tuple[Removals, ...]:
     return tuple(sorted(found, key=lambda mission: mission.begin_d))
 
 
+@published
 def read_campaign(path: Path) -> tuple[Removals, ...]:
     """The missions of a file.
 
     `start_mjd2000` holds the launches; each of `missions` its `debris` in order, `stay_d` and
     `transfer_d` [d], and `dv_m_s` of its legs. A plan of :func:`.instance.contest` is read as well.
     """
-    content = read_object(path)
+    content = json.loads(read_text(path))
     if "routes" in content:
         return _missions_of(Plan.load(path))
     found = []
-    try:
-        for now, mission in zip(content["start_mjd2000"], content["missions"], strict=True):
-            stops, ways = [], (*mission["transfer_d"], 0.0)
-            for one, stay, way in zip(mission["debris"], mission["stay_d"], ways, strict=True):
-                stops.append(Stop(one, now, now + stay))
-                now += stay + way
-            legs = zip(stops[1:], mission["dv_m_s"], strict=True)
-            found.append(Removals(tuple(stops), tuple(flown for _, flown in legs)))
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{path}: no campaign: {error!r}; give the file as it is") from None
+    for now, mission in zip(content["start_mjd2000"], content["missions"], strict=True):
+        stops, ways = [], (*mission["transfer_d"], 0.0)
+        for one, stay, way in zip(mission["debris"], mission["stay_d"], ways, strict=True):
+            stops.append(Stop(one, now, now + stay))
+            now += stay + way
+        legs = zip(stops[1:], mission["dv_m_s"], strict=True)
+        found.append(Removals(tuple(stops), tuple(flown for _, flown in legs)))
     return tuple(found)

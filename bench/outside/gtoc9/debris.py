@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
-from adr_opt.common.errors import InputError
+from adr_opt.common.constants import DAY_S, OBLATENESS_M2
 from adr_opt.kernels.orbits import ephemeris
 
-from ..reading import FloatArray, filled_lines, numbers_of
+from ..reading import FloatArray, filled_lines, numbers_of, published
 
 FILE = "debris_data.txt"
 
 
+@published
 def read_debris(path: Path) -> FloatArray:
     """The debris of a file, in their order.
 
@@ -26,21 +26,10 @@ def read_debris(path: Path) -> FloatArray:
     (debris, columns) float64
         Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`, angles at MJD2000 0.
     """
-    rows = []
-    for number, line in filled_lines(path):
-        where = f"{path}: line {number}"
-        values = numbers_of(line, 8, where)
-        if values[0] != len(rows):
-            raise InputError(f"{where}: debris {values[0]:g} where {len(rows)} should be")
-        if values[2] < EARTH_RADIUS_M or not 0.0 <= values[3] < 1.0:
-            raise InputError(
-                f"{where}: no orbit about the Earth has a semi-major axis of {values[2]:g} m and "
-                f"an eccentricity of {values[3]:g}; give the file as it is"
-            )
-        rows.append(_row(np.array(values)))
-    if not rows:
-        raise InputError(f"{path}: no debris in it; give the file as it is")
-    return np.array(rows)
+    records = np.array([numbers_of(line, 8) for line in filled_lines(path)])
+    if (records[:, 0] != np.arange(len(records))).any():
+        raise ValueError("debris are not in their order")
+    return np.array([_row(record) for record in records])
 
 
 def _row(record: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ import numpy as np
 from adr_opt.common.constants import DAY_S, MU_M3_S2, OBLATENESS_M2
 from adr_opt.kernels.orbits import ephemeris
 
-from ..reading import FloatArray, filled_lines, numbers_of
+from ..reading import FloatArray, filled_lines, numbers_of, published
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,7 @@ class Debris:
         return np.r_[place, velocity]
 
 
+@published
 def read_ephemeris(path: Path) -> tuple[Debris, ...]:
     """The debris of the contest's file."""
-    lines = filled_lines(path)
-    return tuple(
-        Debris(*numbers_of(line, 8, f"{path}: line {number}")[1:]) for number, line in lines
-    )
+    return tuple(Debris(*numbers_of(line, 8)[1:]) for line in filled_lines(path))

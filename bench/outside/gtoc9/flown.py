@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.common.errors import InputError
+from adr_opt.common.files import read_text
 
-from ..reading import FloatArray, read_object
+from ..reading import FloatArray, published
 from .campaign import Removals, Stop
 
 
@@ -37,6 +38,7 @@ class FlownMission:
     flights: tuple[Flight, ...]
 
 
+@published
 def read_flown(path: Path, debris: int) -> tuple[FlownMission, ...]:
     """The missions of a file of impulses, between debris of so many.
 
@@ -44,14 +46,11 @@ def read_flown(path: Path, debris: int) -> tuple[FlownMission, ...]:
     of its `legs`, rows of a time [s] and three components [m/s].
     """
     found = []
-    try:
-        for mission in read_object(path)["missions"]:
-            stops = tuple(Stop(*stop) for stop in mission["stops"])
-            legs = [np.array(leg, dtype=float).reshape(-1, 4) for leg in mission["legs"]]
-            if len(legs) != len(stops) - 1 or any(one.debris not in range(debris) for one in stops):
-                raise ValueError("stops are of no debris, or legs do not lie between them")
-            flights = tuple(Flight(leg[:, 0].copy(), leg[:, 1:].copy()) for leg in legs)
-            found.append(FlownMission(Removals(stops), flights))
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{path}: no flown campaign: {error}; give the file as it is") from None
+    for mission in json.loads(read_text(path))["missions"]:
+        stops = tuple(Stop(*stop) for stop in mission["stops"])
+        legs = [np.array(leg, dtype=float).reshape(-1, 4) for leg in mission["legs"]]
+        if len(legs) != len(stops) - 1 or any(one.debris not in range(debris) for one in stops):
+            raise ValueError("stops are of no debris, or legs do not lie between them")
+        flights = tuple(Flight(leg[:, 0].copy(), leg[:, 1:].copy()) for leg in legs)
+        found.append(FlownMission(Removals(stops), flights))
     return tuple(found)

@@ -6,14 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from adr_opt.common.errors import InputError
-
-from ..reading import FloatArray, filled_lines, numbers_of
+from ..reading import FloatArray, filled_lines, numbers_of, published
 
 FILE = "odrc.csv"
 HEADER = "a[m],e[prop],i[rad],r[rad],o[rad],t[rad]"
 
 
+@published
 def read_debris(path: Path) -> FloatArray:
     """The debris of a file, in their order.
 
@@ -23,19 +22,10 @@ def read_debris(path: Path) -> FloatArray:
         Semi-major axis [m], eccentricity, inclination, RAAN, argument of perigee and true anomaly
         [rad] at t = 0.
     """
-    lines = list(filled_lines(path))
-    if not lines or lines[0][1] != HEADER:
-        raise InputError(f"{path}: the first line must be {HEADER!r}; give the file as it is")
-    rows = []
-    for number, line in lines[1:]:
-        where = f"{path}: line {number}"
-        row = numbers_of(line, 6, where, ",")
-        if row[0] <= 0.0 or not 0.0 <= row[1] < 1.0:
-            raise InputError(f"{where}: no closed orbit; give the file as it is")
-        rows.append(row)
-    if not rows:
-        raise InputError(f"{path}: no debris in it; give the file as it is")
-    return np.array(rows)
+    header, *lines = filled_lines(path)
+    if header != HEADER:
+        raise ValueError(f"the first line is not {HEADER!r}")
+    return np.array([numbers_of(line, 6, ",") for line in lines])
 
 
 def with_centroid(debris: FloatArray) -> FloatArray:

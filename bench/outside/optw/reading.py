@@ -16,7 +16,7 @@ import numpy as np
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import read_text
 
-from ..reading import FloatArray, filled_lines, numbers_of
+from ..reading import FloatArray, filled_lines, numbers_of, published
 
 SLOTS = 56
 SLOT_MS, FIRST_MS = 900_000.0, 21_600_000.0
@@ -63,35 +63,32 @@ class Optimum(NamedTuple):
         return self.status == "optimal"
 
 
+@published
 def read_places(path: Path) -> Places:
     """An instance: the number of places, the longest tour, and a line for each place.
 
     A line holds ``id;score;pen;service;opens;closes``, of which the first and the third are to be
     ignored.
     """
-    lines = list(filled_lines(path))
-    (count,), (longest,) = (
-        numbers_of(line, 1, f"{path}: line {number}") for number, line in lines[:2]
-    )
-    rows = [numbers_of(line, 6, f"{path}: line {number}", ";") for number, line in lines[2:]]
-    columns = np.array(rows).T
-    if len(rows) != count or (columns[4] > columns[5]).any():
-        raise InputError(f"{path}: not {count:g} places with windows; give the file as it is")
+    first, second, *lines = filled_lines(path)
+    (count,), (longest,) = numbers_of(first, 1), numbers_of(second, 1)
+    columns = np.array([numbers_of(line, 6, ";") for line in lines]).T
+    if columns.shape[1] != count or (columns[4] > columns[5]).any():
+        raise ValueError(f"not {count:g} places with windows")
     return Places(path.stem, longest, columns[1], columns[3], columns[4], columns[5])
 
 
+@published
 def read_static(path: Path, count: int) -> FloatArray:
     """Travel times that do not depend on the departure, as (origin, destination, 1) [ms]."""
-    lines = list(filled_lines(path))
-    if len(lines) != count:
-        raise InputError(f"{path}: {len(lines)} rows instead of {count}; give the file as it is")
-    rows = [numbers_of(line, count, f"{path}: line {number}", ";") for number, line in lines]
-    return np.array(rows)[:, :, None]
+    rows = np.array([numbers_of(line, count, ";") for line in filled_lines(path)])
+    return rows.reshape(count, count, 1)
 
 
+@published
 def read_varying(path: Path, count: int) -> FloatArray:
     """Travel times by the departure, as (origin, destination, slot) [ms]."""
-    values = numbers_of(read_text(path), count * count * SLOTS, str(path), ";")
+    values = numbers_of(read_text(path), count * count * SLOTS, ";")
     return np.array(values).reshape(count, count, SLOTS)
 
 
@@ -111,14 +108,12 @@ def travel_of(path: Path, places: Places, *, varying: bool) -> FloatArray:
     return read_static(path.with_name(f"titt{size}.TXT"), places.count)
 
 
+@published
 def read_optima(path: Path) -> dict[str, Optimum]:
     """Published results of the static instances, by name."""
-    try:
-        return {
-            row["name"]: Optimum(
-                float(row["score"]), float(row["cplex_12_6_seconds"]), row["status"] or ""
-            )
-            for row in csv.DictReader(read_text(path).splitlines())
-        }
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{path}: no optima: {error!r}; give the file as it is") from None
+    return {
+        row["name"]: Optimum(
+            float(row["score"]), float(row["cplex_12_6_seconds"]), row["status"] or ""
+        )
+        for row in csv.DictReader(read_text(path).splitlines())
+    }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy.typing as npt
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import read_text
 
-from ..reading import FloatArray, read_object
+from ..reading import FloatArray, published
 
 BEST = "best.tsv"
 
@@ -54,34 +55,32 @@ class Roads:
         return [place for place in range(self.opens.size) if place not in (self.start, self.end)]
 
 
+@published
 def read_roads(path: Path) -> Roads:
     """An instance; ways that its graph does not have are closed."""
-    content = read_object(path)
-    try:
-        zones, windows, speeds, distance, clusters, arcs = (
-            np.array(each, dtype=float)
-            for each in (
-                *(content[key] for key in ("speed_zones", "time_windows", "cluster_speeds")),
-                *(content["distances"], content["clusters"], content["digraph"]["arcs"]),
-            )
+    content = json.loads(read_text(path))
+    zones, windows, speeds, distance, clusters, arcs = (
+        np.array(each, dtype=float)
+        for each in (
+            *(content[key] for key in ("speed_zones", "time_windows", "cluster_speeds")),
+            *(content["distances"], content["clusters"], content["digraph"]["arcs"]),
         )
-        start, end = int(content["start_depot"]), int(content["end_depot"])
-        places, latest = len(windows), float(content["horizon"][1])
-        there = (arcs != 0.0) & ~np.eye(places, dtype=np.bool_)
-        cluster = np.where(there, clusters, -1.0).astype(np.int64)
-        sound = (
-            (zones[1:, 0] == zones[:-1, 1]).all()
-            and (zones[:, 0] < zones[:, 1]).all()
-            and (speeds > 0.0).all()
-            and speeds.shape[1] == len(zones)
-            and distance.shape == cluster.shape == (places, places)
-            and {start, end} <= set(range(places))
-            and ((cluster[there] >= 0) & (cluster[there] < len(speeds))).all()
-        )
-    except (IndexError, KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{path}: no instance: {error!r}; give the file as it is") from None
+    )
+    start, end = int(content["start_depot"]), int(content["end_depot"])
+    places, latest = len(windows), float(content["horizon"][1])
+    there = (arcs != 0.0) & ~np.eye(places, dtype=np.bool_)
+    cluster = np.where(there, clusters, -1.0).astype(np.int64)
+    sound = (
+        (zones[1:, 0] == zones[:-1, 1]).all()
+        and (zones[:, 0] < zones[:, 1]).all()
+        and (speeds > 0.0).all()
+        and speeds.shape[1] == len(zones)
+        and distance.shape == cluster.shape == (places, places)
+        and {start, end} <= set(range(places))
+        and ((cluster[there] >= 0) & (cluster[there] < len(speeds))).all()
+    )
     if not sound:
-        raise InputError(f"{path}: zones, speeds, ways or depots do not go together")
+        raise ValueError("zones, speeds, ways or depots do not go together")
     edges = np.append(zones[:, 0], zones[-1, 1])
     return Roads(path.stem, start, end, latest, edges, speeds, cluster, distance, *windows.T)
 
@@ -94,13 +93,8 @@ def instance_files(folder: Path) -> list[Path]:
     return found
 
 
+@published
 def read_best(path: Path) -> dict[str, float]:
     """Known least ends by name; NaN where none is known."""
-    found = {}
-    for number, row in enumerate(read_text(path).splitlines()[1:], 2):
-        parts = row.split("\t")
-        try:
-            found[parts[0]] = math.nan if parts[2] == "-" else float(parts[2])
-        except (IndexError, ValueError):
-            raise InputError(f"{path}: line {number}: no figure; give the file as it is") from None
-    return found
+    rows = [line.split("\t") for line in read_text(path).splitlines()[1:]]
+    return {row[0]: math.nan if row[2] == "-" else float(row[2]) for row in rows}

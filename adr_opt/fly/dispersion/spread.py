@@ -10,7 +10,7 @@ import numpy as np
 
 from ...common.records import without
 from ...kernels.orbits.short_periods import Array
-from ..flight.result import of_chaser
+from ..flight.flights import of_chaser
 from .errors import FlightErrors
 
 CONFIDENCE_SIGMA = 1.959964

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ..flight.result import TankFlight, WithTanks, whole_sum
+from ..flight.flights import TankFlight, WithTanks, whole_sum
 from .settings import Forces
 
 
