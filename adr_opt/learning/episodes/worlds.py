@@ -13,11 +13,11 @@ import numpy.typing as npt
 from ...common.constants import HOUR_S
 from ...common.errors import InputError
 from ...common.files import parse_content
+from ...kernels.core.draws import late_try
 from ...kernels.episodes import episodes as episode_kernels
 from ...kernels.episodes import worlds as kernels
 from ...kernels.episodes.choices import CERTAIN
 from ...kernels.episodes.episodes import HOME, SERVICE, Episodes
-from ...kernels.episodes.late_tries import late_try
 from ...kernels.tables import timetable
 from ...kernels.tables.stacked_timetables import listed_in
 from ...legs.connection_finder import ConnectionFinder
