@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -25,10 +26,49 @@ from adr_opt.analysis.rehearse.tries import worths_of_tries
 from adr_opt.analysis.rehearse.worths import prices_of_tries
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import ServiceUncertainty, Uncertainty
 from adr_opt.problem.world import DrawnWorld
 
 EPSILON = 1e-9
+
+Worth = Callable[[MissionFacts, DrawnWorld, FlownMission, float], float]
+"""What a rehearsal is worth with a price of a day."""
+
+
+def _attacked(
+    instance: Instance, uncertainty: Uncertainty, most: float, worth: Worth, seed: int
+) -> None:
+    """Hold a bound with a drawn price of time against what policies that decide at random get."""
+    facts = MissionFacts(instance)
+    # No target is worth less than the time of its service: prices beyond that are refused.
+    share = float(np.random.default_rng(seed).uniform(0.0, most))
+    tries_s = prices_of_tries(facts, 1.0)
+    worth_per_s = [facts.prizes[body] / tries_s[body] for body in tries_s if tries_s[body]]
+    per_day = share * DAY_S * min(worth_per_s, default=0.0)
+    setting = BoundSetting(instance, uncertainty, "exact", 60.0, per_day)
+    bound, world = world_bounds(facts, setting, seed), DrawnWorld(instance, uncertainty, seed)
+    for flown in all_flown(facts, world, seed):
+        assert worth(facts, world, flown, per_day) <= bound.penalised + EPSILON, seed
+
+
+def _equal_in_the_mean(
+    instance: Instance, plan: Plan, uncertainty: Uncertainty, worth: Worth, per_day: float
+) -> int:
+    """Hold what rehearsals are worth against their prizes; how many of them end late."""
+    facts = MissionFacts(instance)
+    planned = intended(facts, plan)
+    differences, late = [], 0
+    for seed in range(1500):
+        world = DrawnWorld(instance, uncertainty, seed)
+        policy = policy_of("skip")(facts, planned, uncertainty, 0)
+        flown = rehearsed(facts, world, policy, planned.kits)
+        late += any(made.outcome == "late" for craft in flown.chasers for made in craft.made)
+        differences.append(worth(facts, world, flown, per_day) - flown.prize)
+    error = np.std(differences) / math.sqrt(len(differences))
+    assert abs(np.mean(differences)) < 4.0 * error
+    return late
 
 
 @over_kinds(
@@ -50,16 +90,7 @@ def test_no_policy_exceeds_a_bound_with_a_price_of_time(draw, seeds) -> None:  #
         uncertainty = Uncertainty(
             capture={"success": 0.6, "tries": 2}, gone=0.1, targets=targets
         ).of(instance)
-        facts = MissionFacts(instance)
-        # No target is worth less than the time of its service: prices beyond that are refused.
-        share = float(np.random.default_rng(seed).uniform(0.0, 0.6))
-        tries_s = prices_of_tries(facts, 1.0)
-        worth_per_s = [facts.prizes[body] / tries_s[body] for body in tries_s if tries_s[body]]
-        per_day = share * DAY_S * min(worth_per_s, default=0.0)
-        setting = BoundSetting(instance, uncertainty, "exact", 60.0, per_day)
-        bound, world = world_bounds(facts, setting, seed), DrawnWorld(instance, uncertainty, seed)
-        for flown in all_flown(facts, world, seed):
-            assert _priced(facts, uncertainty, flown, per_day) <= bound.penalised + EPSILON, seed
+        _attacked(instance, uncertainty, 0.6, _priced, seed)
 
 
 def test_a_price_of_time_changes_no_mean() -> None:
@@ -67,23 +98,12 @@ def test_a_price_of_time_changes_no_mean() -> None:
     instance = adr_opt.generate("tiny", 0)
     plan = adr_opt.solve(instance, "beam").plan
     uncertainty = Uncertainty(capture={"success": 0.6, "tries": 3}, gone=0.1)
-    facts = MissionFacts(instance)
-    planned = intended(facts, plan)
-    differences = []
-    for seed in range(1500):
-        world = DrawnWorld(instance, uncertainty, seed)
-        policy = policy_of("skip")(facts, planned, uncertainty, 0)
-        flown = rehearsed(facts, world, policy, planned.kits)
-        differences.append(_priced(facts, uncertainty, flown, 3.0) - flown.prize)
-    error = np.std(differences) / math.sqrt(len(differences))
-    assert abs(np.mean(differences)) < 4.0 * error
+    _equal_in_the_mean(instance, plan, uncertainty, _priced, 3.0)
 
 
-def _priced(
-    facts: MissionFacts, uncertainty: Uncertainty, flown: FlownMission, per_day: float
-) -> float:
+def _priced(facts: MissionFacts, world: DrawnWorld, flown: FlownMission, per_day: float) -> float:
     """What the tries of a rehearsal are worth with a price of their time, draw by draw."""
-    total, paid = 0.0, prices_of_tries(facts, per_day / DAY_S)
+    total, paid, uncertainty = 0.0, prices_of_tries(facts, per_day / DAY_S), world.uncertainty
     for craft in flown.chasers:
         for made in craft.made:
             j = made.hop.destination
@@ -131,16 +151,7 @@ def test_no_policy_exceeds_a_bound_with_a_price_of_uncertain_times(draw, seeds) 
             gone=0.1,
             targets={instance.targets[-1].name: {"service_s": {}}},
         ).of(instance)
-        facts = MissionFacts(instance)
-        share = float(np.random.default_rng(seed).uniform(0.0, 0.4))
-        tries_s = prices_of_tries(facts, 1.0)
-        worth_per_s = [facts.prizes[body] / tries_s[body] for body in tries_s if tries_s[body]]
-        per_day = share * DAY_S * min(worth_per_s, default=0.0)
-        setting = BoundSetting(instance, uncertainty, "exact", 60.0, per_day)
-        bound, world = world_bounds(facts, setting, seed), DrawnWorld(instance, uncertainty, seed)
-        for flown in all_flown(facts, world, seed):
-            worth = _worth_of_times(facts, world, flown, per_day)
-            assert worth <= bound.penalised + EPSILON, seed
+        _attacked(instance, uncertainty, 0.4, _worth_of_times, seed)
 
 
 def test_a_price_of_uncertain_times_changes_no_mean() -> None:
@@ -156,18 +167,7 @@ def test_a_price_of_uncertain_times_changes_no_mean() -> None:
     )
     plan = adr_opt.solve(instance, "beam").plan
     uncertainty = Uncertainty(service_s=LATE, capture={"success": 0.7}, gone=0.1)
-    facts = MissionFacts(instance)
-    planned = intended(facts, plan)
-    differences, late = [], 0
-    for seed in range(1500):
-        world = DrawnWorld(instance, uncertainty, seed)
-        policy = policy_of("skip")(facts, planned, uncertainty, 0)
-        flown = rehearsed(facts, world, policy, planned.kits)
-        late += any(made.outcome == "late" for craft in flown.chasers for made in craft.made)
-        differences.append(_worth_of_times(facts, world, flown, 8.0) - flown.prize)
-    assert late > 100
-    error = np.std(differences) / math.sqrt(len(differences))
-    assert abs(np.mean(differences)) < 4.0 * error
+    assert _equal_in_the_mean(instance, plan, uncertainty, _worth_of_times, 8.0) > 100
 
 
 def _worth_of_times(

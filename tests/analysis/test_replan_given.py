@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import Cli
-from on_from import Field, most, violations
+from on_from import Field, most, rest_of, violations
 from random_rules import (
     carrying,
     given_field,
@@ -20,7 +20,6 @@ from toy_roads import HOUR_S, solved
 
 import adr_opt
 from adr_opt.analysis import replan
-from adr_opt.analysis.replan.chaser_states import states_at
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance
@@ -52,28 +51,11 @@ def test_what_is_flown_and_the_rest_are_one_mission() -> None:
             continue
         rng = np.random.default_rng([20, seed])
         at_s = float(rng.uniform(0.0, instance.mission.duration_s))
-        keep = int(rng.integers(3))
-        states = states_at(instance, plan, at_s, keep=keep)
-        done = {leg.destination for state in states for leg in state.legs}
-        ahead = [name for name in plan.destinations if name not in done]
-        free = {target.name for target in instance.targets if not target.required}
-        lost = [name for name in ahead if name in free][:1] if rng.random() < 0.4 else []
-        made = replan(instance, plan, at_s, lost=lost, keep=keep, time_limit=60.0)
-        if made.plan is None:
-            # Without the lost target there may be no way to where the chaser has to end.
-            assert lost, seed
+        made = rest_of(instance, plan, at_s, rng, seed)
+        if made is None:
             continue
-        assert adr_opt.check(made.instance, made.plan) == (), seed
-        flown = {state.chaser.name: state.legs for state in states}
-        for route in made.whole():
-            assert route.legs[: len(flown[route.chaser])] == flown[route.chaser], seed
-        carried = any(state.idle_kits for state in made.states)
-        # Kits that are carried along to the end no plan of the whole mission knows.
-        assert carried or violations(instance, made) == (), seed
-        lacking = sum(target.prize for target in instance.targets if target.name in lost)
-        assert made.prize_after >= made.prize_before - lacking - 1e-9, seed
         at_targets += sum(state.is_at_target for state in made.states)
-        idle += carried
+        idle += any(state.idle_kits for state in made.states)
     assert at_targets > 15
     assert idle < 5
 

@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 import adr_opt
-from adr_opt.analysis import Replanned
+from adr_opt.analysis import Replanned, replan
+from adr_opt.analysis.replan.chaser_states import states_at
 from adr_opt.common.constants import SLACK_M_S, SLACK_S
 from adr_opt.judge.check.violation import Violation
 from adr_opt.plan.expense import cost_of_routes
-from adr_opt.plan.plan import InstanceReference, Unvisited
+from adr_opt.plan.plan import InstanceReference, Plan, Unvisited
 from adr_opt.problem.instance import Instance
 
 Rows = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -47,6 +48,40 @@ def violations(instance: Instance, made: Replanned, zones=()) -> tuple[Violation
     )
     found = adr_opt.check(zoned, whole)
     return tuple(violation for violation in found if violation.rule != "status")
+
+
+def rest_of(
+    instance: Instance, plan: Plan, at_s: float, rng: np.random.Generator, case: object
+) -> Replanned | None:
+    """Plan the rest with legs kept and targets lost, and hold it: `check` passes, legs are kept.
+
+    None where a target that is lost leaves no way to where a chaser has to end.
+    """
+    keep = int(rng.integers(3))
+    states = states_at(instance, plan, at_s, keep=keep)
+    done = {leg.destination for state in states for leg in state.legs}
+    free = {target.name for target in instance.targets if not target.required}
+    ahead = [name for name in plan.destinations if name in free - done]
+    lost = ahead[:1] if rng.random() < 0.4 else []
+    made = replan(instance, plan, at_s, lost=lost, keep=keep, time_limit=60.0)
+    if made.plan is None:
+        assert lost, case
+        return None
+    assert adr_opt.check(made.instance, made.plan) == (), case
+    waiting = any("waits" in note for note in made.notes)
+    carried = any(state.idle_kits for state in made.states)
+    # Neither waiting on a disposal orbit nor carrying kits to the end is for the whole mission.
+    assert waiting or carried or violations(instance, made) == (), case
+    flown = {state.chaser.name: state.legs for state in states}
+    for route in made.whole():
+        legs = flown[route.chaser]
+        kept = route.legs[: len(legs)]
+        assert kept[:-1] == legs[:-1], case
+        # The tow of the last one may be later than it was planned.
+        assert [leg.replace(tow=None) for leg in kept] == [leg.replace(tow=None) for leg in legs]
+    lacking = sum(target.prize for target in instance.targets if target.name in lost)
+    assert made.prize_after >= made.prize_before - lacking - 1e-9, case
+    return made
 
 
 class Field(NamedTuple):

@@ -71,7 +71,7 @@ def test_no_result_takes_the_place_of_another_or_of_what_is_read(cli: Cli, tiny_
     refused(cli(*call, "new.json", "--refine", "--refined-out", "new-link.json"), another)
     refused(cli(*call, "x.json", "--start", "p.json", "--certificate", "p.json"), "is the input")
     call = ["replan", tiny_file, "p.json", "--at", "0.1", "--out", "new.json", "--out-instance"]
-    refused(cli(*call, "new-link.json"), "give each its own")
+    refused(cli(*call, "new-link.json"), another)
     call = ["tradeoff", tiny_file, "--vary", "delta-v=500", "--out", "old.svg"]
     refused(cli(*call, "--plot", "old.svg"), another)
     call = ["tradeoff", tiny_file, "--vary", "duration=1", "--out", "old.json"]

@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from ...common.errors import MissingExtra
 from .output import emit_json, emit_rich, say
-from .parameters import check_out
+from .parameters import check_outs
 from .study_files import check_folder, cleared, write_picture, write_plan
 
 if TYPE_CHECKING:
@@ -70,9 +70,7 @@ def study(
     from .bars import counting_bar, wanted
     from .work import work
 
-    check_out(outputs.results, instance_path, worth_path, results=(outputs.page, outputs.plot))
-    for path in (outputs.page, outputs.plot):
-        check_out(path, instance_path, worth_path)
+    check_outs((outputs.results, outputs.page, outputs.plot), instance_path, worth_path)
     if outputs.plans is not None:
         check_folder(outputs.plans, instance_path)
     worths = None if worth_path is None else load_set_worths(worth_path)

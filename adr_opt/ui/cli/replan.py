@@ -13,7 +13,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, param
 from .output import emit, emit_json, emit_rich, say_written, terminal_width
-from .parameters import admitted_plan, check_out, is_same_file
+from .parameters import admitted_plan, check_outs
 
 if TYPE_CHECKING:
     from ...analysis.replan.chaser_states import ChaserState
@@ -93,10 +93,7 @@ def command(
     instance = admitted.instance
     at_s = parse_time(at_text, instance)
     zones = () if zones_path is None else read_zones(zones_path)
-    check_out(out, instance_path, plan_path, zones_path)
-    check_out(out_instance, instance_path, plan_path, zones_path)
-    if out is not None and out_instance is not None and is_same_file(out, out_instance):
-        raise InputError(f"{out}: given for both the plan and the instance; give each its own file")
+    check_outs((out, out_instance), instance_path, plan_path, zones_path)
     known, names = BodyNames(instance), set(instance.names)
 
     def named(texts: tuple[str, ...], option: str) -> list[str]:

@@ -11,7 +11,7 @@ import click
 from ...common.errors import InputError
 from . import param
 from .output import emit_json, emit_rich, say, say_written
-from .parameters import check_out
+from .parameters import check_outs
 
 if TYPE_CHECKING:
     from ...analysis.windows.conditions import States
@@ -76,8 +76,7 @@ def command(
     if not 0.0 <= capture_s < math.inf:
         raise InputError(f"--capture = {capture_s:g}: must be at least 0")
     instance = load(instance_path)
-    check_out(out, instance_path, *within, stations)
-    check_out(into, instance_path, *within, stations)
+    check_outs((out, into), instance_path, *within, stations)
     if into is not None and (out is None or Path(out).parent != Path(into).parent):
         raise InputError("--into: give --out as well, a file in the same folder")
     known = STATIONS | ({} if stations is None else read_stations(stations))

@@ -34,7 +34,6 @@ async function picture(name) {
 async function pictureFiles(told) {
   for (const { chart, show: view } of views) if (chart) await view();
   const names = [...document.querySelectorAll(".chart")].map(({ id }) => id)
-    
     .filter((name) => name === "orbits" || box(name).data?.length);
   const files = [];
   for (const name of names) {
