@@ -136,9 +136,11 @@ class ConnectionFinder:
         """
         return self._resolution if self.times is not None else 0.0
 
-    def find(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
-        """Compute all connections of two bodies."""
-        return self.charged(i, j, self._of_model(i, j, resolution_m_s))
+    def find(
+        self, i: int, j: int, resolution_m_s: float, since_s: float = -math.inf
+    ) -> ConnectionArrays:
+        """Compute all connections of two bodies; some that leave before a time may be missing."""
+        return self.charged(i, j, self._of_model(i, j, resolution_m_s, since_s))
 
     def charged(self, i: int, j: int, found: ConnectionArrays) -> ConnectionArrays:
         """Connections at the ΔV they take from a tank: corrected, and with earlier expenditure.
@@ -155,10 +157,12 @@ class ConnectionFinder:
         """ΔV charged to connections from a body for expenditure before the start [m/s]."""
         return self._spent.get(i, 0.0)
 
-    def _of_model(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
+    def _of_model(
+        self, i: int, j: int, resolution_m_s: float, since_s: float = -math.inf
+    ) -> ConnectionArrays:
         if self.ends.altitudes.bars(i, j):
             return NO_CONNECTIONS
-        ends = self.ends.of(i, j)
+        ends = self.ends.of(i, j)._replace(since_s=since_s)
         claiming = next((family for family in self.families if family.claims(ends)), None)
         if claiming is not None and claiming.kind.from_nowhere:
             return claiming.connections(ends, None, resolution_m_s)
@@ -355,8 +359,13 @@ class ConnectionFinder:
                 "connections cannot be listed; plan with auto or exact"
             )
 
-    def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
+    def of_pair(
+        self, i: int, j: int, resolution_m_s: float, since_s: float = -math.inf
+    ) -> Connections:
         """All connections of a pair; none from a body to itself.
+
+        Where events are regular, most of those that leave before ``since_s`` are left out, and
+        their time with them.
 
         Raises
         ------
@@ -368,7 +377,7 @@ class ConnectionFinder:
             none, nothing = np.empty(0), np.empty(0, dtype=np.int8)
             return Connections(none, none, none, nothing, nothing)
         planning = self.is_listed and resolution_m_s == self.planning_resolution_m_s
-        found = self.found(i, j) if planning else self.find(i, j, resolution_m_s)
+        found = self.found(i, j) if planning else self.find(i, j, resolution_m_s, since_s)
         return Connections(
             found.departure, found.arrival, found.delta_v, found.revolutions, found.family
         )

@@ -60,7 +60,7 @@ class _Limits:
 
     def __init__(self, mission: Mission, moves: tuple[int, ...]) -> None:
         self._mission, self._moves = mission, moves
-        self._schedules = mission.schedules.by_class.unpriced
+        self._schedules = mission.schedules.by_class.unpriced.passing
         self._known: dict[tuple[bool, bool], Relaxed | None] = {}
         counts_next = partial(counts_after, mission.rules)
         self._why_full = why_full(mission.rules, reduce(counts_next, moves, NOTHING))
@@ -102,7 +102,7 @@ class _Limits:
             longer_s = LONGEST * mission.instance.mission.duration_s if time else None
             try:
                 chaser = with_tank(mission.chaser, LARGEST) if larger else mission.chaser
-                made = Relaxed(mission, chaser, longer_s, windows=not time)
+                made = Relaxed(mission, chaser, longer_s, windows=not time, passing=True)
             except InputError:  # motion that is known for the time of the mission alone
                 made = None
             self._known[key] = made

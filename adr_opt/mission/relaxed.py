@@ -60,10 +60,18 @@ class Relaxed:
         Of the mission and of the availability of the chaser; None for what they are.
     windows : bool
         Whether targets keep their windows.
+    passing : bool
+        Whether each order is asked for once, see :attr:`.Scheduler.passing`.
     """
 
     def __init__(
-        self, mission: Mission, chaser: Chaser, duration_s: float | None, *, windows: bool = True
+        self,
+        mission: Mission,
+        chaser: Chaser,
+        duration_s: float | None,
+        *,
+        windows: bool = True,
+        passing: bool = False,
     ) -> None:
         self._mission = mission
         instance, number = mission.instance, mission.instance.chasers.index(mission.chaser)
@@ -86,7 +94,7 @@ class Relaxed:
             made = Scheduler(
                 connecting, lambda: self._rules, cost, mission.chaser, price, PAIRS_KEPT
             )
-        self._schedules = made.unpriced
+        self._schedules = made.unpriced.passing if passing else made.unpriced
         self._by_limits: dict[tuple[float, bool], Scheduler] = {}
 
     def _under(self, scale: float, counts: bool) -> Rules:

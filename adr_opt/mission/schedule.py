@@ -147,6 +147,9 @@ class Scheduler:
         def of_pair(i: int, j: int) -> Connections:
             return connecting.of_pair(i, j, connecting.planning_resolution_m_s)
 
+        def leaving_from(i: int, j: int, since_s: float) -> Connections:
+            return connecting.of_pair(i, j, connecting.planning_resolution_m_s, since_s)
+
         def least(i: int, j: int) -> float:
             function = connecting.function_of(i, j)
             if function is not None:
@@ -162,6 +165,8 @@ class Scheduler:
         self._has_lighter, self._counts_cost = False, True
         self._spent_m_s = connecting.spent_m_s
         self._by_function = connecting.by_function
+        self._leaving_from = None if connecting.is_listed else leaving_from
+        self._passes = False
         self.connections: Callable[[int, int], Connections] = lru_cache(kept)(of_pair)
         self._least = lru_cache(None)(least)
         # The order of the last call, the kits at its start, and its fronts. One object, so that
@@ -180,7 +185,7 @@ class Scheduler:
     def over(self, connections: Callable[[int, int], Connections]) -> Scheduler:
         """A scheduler over other connections, from a function of origin and destination."""
         made = copy(self)
-        made.connections, made._of_class = connections, None
+        made.connections, made._of_class, made._leaving_from = connections, None, None
         made._last = ((), 0, ())
         return made
 
@@ -207,12 +212,21 @@ class Scheduler:
         made._counts_cost, made._last = False, ((), 0, ())
         return made
 
+    @property
+    def passing(self) -> Scheduler:
+        """A scheduler for pairs asked for once: no connections before a chaser is ready."""
+        made = copy(self)
+        made._passes, made._last = True, ((), 0, ())
+        return made
+
     def from_ready(self, i: int, j: int, ready: FloatArray) -> Connections:
         """The connections of a pair that chasers ready at some times may need, by departure.
 
         All that are listed; of a function of time those that leave as soon as one is ready.
         """
         found = self._by_function(i, j, ready)
+        if found is None and self._passes and self._leaving_from is not None:
+            return self._leaving_from(i, j, float(ready.min()))
         return self.connections(i, j) if found is None else found
 
     def _flyable(self, i: int, j: int, ready: FloatArray) -> Connections:

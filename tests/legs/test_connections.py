@@ -129,6 +129,23 @@ def test_a_longer_mission_has_the_same_connections_before_the_end_of_a_shorter_o
             np.testing.assert_array_equal(getattr(long, name)[before], getattr(short, name))
 
 
+@pytest.mark.parametrize("since_s", [-1.0, 0.2 * DAY_S, 0.69 * DAY_S, 2.0 * DAY_S])
+def test_connections_from_some_time_on_are_those_of_all_that_leave_later(since_s):
+    """Who asks for what leaves from a time on gets all of it unchanged, and little besides."""
+    spared = 0
+    for origin, destination, rule, resolution in random_cases(60):
+        pair = origin, destination, 3.0, rule, 0.7 * DAY_S, resolution
+        whole, late = connections.of_pair(*pair), connections.of_pair(*pair, since_s)
+        for name in whole._fields:
+            expected = getattr(whole, name)[whole.departure >= since_s]
+            found = getattr(late, name)[late.departure >= since_s]
+            np.testing.assert_array_equal(found, expected, err_msg=name)
+        half_turn = math.pi / co_elliptic.prepare(origin, destination, 3.0, rule, 0.0).rate_i
+        assert (late.departure >= since_s - 3.0 * half_turn).all()
+        spared += whole.departure.size - late.departure.size
+    assert (spared > 0) == (since_s > 0.0)
+
+
 @pytest.fixture(scope="module")
 def timetable() -> Timetable:
     return Timetable(adr_opt.generate("tiny", 2, zones=2))

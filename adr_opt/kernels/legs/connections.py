@@ -199,8 +199,8 @@ def _sift(pair, rule, sieve, grid, e, known, kept):
 
 
 @kernel
-def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
-    """All undominated connections of a pair.
+def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution, since=-math.inf):
+    """All undominated connections of a pair that leave from some time on.
 
     Parameters
     ----------
@@ -214,6 +214,8 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
         Connections that arrive later are left out [s].
     resolution : float
         A connection that saves no more than this is dominated [m/s].
+    since : float
+        Nobody leaves before [s]: of earlier events, some are listed and most are not.
 
     Returns
     -------
@@ -224,9 +226,11 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     lap = TURN_RAD / pair.rate_j
     approach = rule.approach_revolutions * lap
     events = max(math.floor((duration - first) * pair.rate_i / math.pi) + 1, 0)
+    passed = int(max((since - first) * pair.rate_i / math.pi - 1.0, 0.0))
+    passed = min(passed, events)
     longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
     rows = int((longest - pair.shortest) / lap + 1e-6) + 1
-    size = min(events, BLOCK)
+    size = min(events - passed, BLOCK)
     grid = CrossingGrid(
         np.empty(size),
         np.empty(size, np.int64),
@@ -239,7 +243,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
         known[crossing] = math.inf
     kept = np.empty(rows, np.int64)
     # Filled from the end, as events are gone through.
-    room = rows * events
+    room = rows * (events - passed)
     departures, arrivals, costs = np.empty(room), np.empty(room), np.empty(room)
     laps, crossings = np.empty(room, np.int8), np.empty(room, np.int32)
     at = room
@@ -247,8 +251,8 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     curves = phasing.curves_of(pair, rule)
     # Blocks are a matter of storage: `known` is carried from one to the next, so that what is kept
     # does not depend on their size.
-    for end in range(events, 0, -BLOCK):
-        begin = max(end - BLOCK, 0)
+    for end in range(events, passed, -BLOCK):
+        begin = max(end - BLOCK, passed)
         _lay_out(pair, rule, curves, begin, end - begin, duration, grid)
         for e in range(end - begin - 1, -1, -1):
             count = _sift(pair, rule, sieve, grid, e, known, kept)

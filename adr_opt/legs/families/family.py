@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -61,6 +62,8 @@ class PairEnds(NamedTuple):
         Whether connections of low thrust are to be lower bounds for all masses of the chaser.
     pieces : PiecedEnd or None
         The origin as it is left, where that is another body from piece to piece of time.
+    since_s : float
+        Connections that leave before may be left out [s].
     """
 
     instance: Instance
@@ -75,6 +78,7 @@ class PairEnds(NamedTuple):
     drive: Drive | None = None
     relaxed: bool = False
     pieces: PiecedEnd | None = None
+    since_s: float = -math.inf
 
     def left_at(self, time_s: float) -> FloatArray:
         """Row of the origin as the chaser leaves it at a time, shape (columns,)."""

@@ -32,7 +32,7 @@ class ShortLegs(LegFamily):
         pair = ends.leaving, ends.arriving, ends.eccentricity_m_s, ends.rule
         made: ConnectionArrays
         if ends.times is None:
-            made = regular.of_pair(*pair, ends.latest_s, resolution_m_s)
+            made = regular.of_pair(*pair, ends.latest_s, resolution_m_s, ends.since_s)
         elif ends.pieces is not None:
             # Sifted once, when they are together: a saving counts against all pieces.
             every = drifting_connections.short_ones_of_pieces(
