@@ -134,15 +134,6 @@ def test_walk_is_worth_its_bound(nominal):
     assert value == pytest.approx(worth, abs=1e-9)
 
 
-def test_threads_do_not_change_the_values(nominal):
-    """One thread and two give the same values of all states."""
-    multipliers = np.random.default_rng(2).uniform(0.0, 0.2, 51)
-    one, two = WalkBound(nominal, 100.0, jobs=1), WalkBound(nominal, 100.0, jobs=2)
-    assert one.evaluate(multipliers)[0] == two.evaluate(multipliers)[0]
-    two.close()
-    assert np.array_equal(one.values.best, two.values.best)
-
-
 @pytest.mark.slow
 def test_shorter_buckets_bound_no_worse(nominal):
     """Halving the buckets cannot raise the bound, and exact times give the least."""
