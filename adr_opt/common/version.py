@@ -1,3 +1,3 @@
 """Version of the package, read from its metadata."""
 
-__version__ = "2.0.0.dev0"
+__version__ = "2.0.0"
