@@ -108,17 +108,6 @@ def via(tour, i, j, time):
 
 
 @kernel
-def end_of(tour, order):
-    """End of a tour in an order of targets [s]; +inf if it is too late anywhere."""
-    time, here = tour.ready, tour.targets
-    for j in order:
-        time, here = reached(tour, here, j, time), j
-        if time == math.inf:
-            return time
-    return reached(tour, here, tour.targets + 1, time)
-
-
-@kernel
 def _latest(tour, i, j, until):
     """Latest time at i from which j is reached by a given time, to a tolerance; −inf for none."""
     low, high = tour.ready, last_end(tour, i)

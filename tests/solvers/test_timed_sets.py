@@ -23,7 +23,7 @@ from solvers.timed_tours.layers import LayerSearch, windows_of
 from solvers.timed_tours.memories import memories_of
 from solvers.timed_tours.optimistic import OptimisticLegs
 from solvers.timed_tours.relaxation import bound_units, narrowed, relaxed, steps_of, whole_bands
-from solvers.timed_tours.tour import deadlines, end_of, last_end, sequence_of, tour_of
+from solvers.timed_tours.tour import deadlines, last_end, reached, sequence_of, tour_of
 
 
 def _compare(instance: adr_opt.Instance, method: str) -> adr_opt.Result:
@@ -126,7 +126,10 @@ def test_relaxed_tours_end_no_later(seed: int) -> None:
     outcome = search.search(most, 10**6)
     assert outcome.whole
     assert outcome.end_s == pytest.approx(least, abs=1e-6)
-    assert end_of(tour, outcome.order) == outcome.end_s
+    time, here = tour.ready, tour.targets
+    for j in (*outcome.order, tour.targets + 1):
+        time, here = reached(tour, here, j, time), j
+    assert time == outcome.end_s
 
 
 @over_seeds(range(60), gate=3)
