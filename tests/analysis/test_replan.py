@@ -403,7 +403,7 @@ def test_a_required_target_that_cannot_be_reached_is_the_answer_no(cli: Cli) -> 
         (("--at", "0.1", "--keep", "-1"), "keep = -1"),
         (("--at", "0.1", "--failed", "9"), "the plan has the legs 1 to 4"),
         (("--at", "0.1", "--method", "no"), "'no'"),
-        (("--at", "0.1", "--out", "x.json", "--out-instance", "x.json"), "give each its own"),
+        (("--at", "0.1", "--out", "x.json", "--out-instance", "x.json"), "name another file"),
         (("--at", "0.1", "--out", "i.json"), "this is the input"),
     ],
 )

@@ -342,7 +342,7 @@ def test_the_page_lists_every_number_option_and_observation() -> None:
         f"shape ({len(MISSION_FIELDS)},)",
         f"within ±{LIMIT:g}",
         f"seeds from {FIRST_SEED:,} on",
-        f"of the {LOOKED_AHEAD} cheapest legal moves",
+        f"for the {LOOKED_AHEAD} cheapest legal moves",
         f"first {ONWARD} open ones of the {NEAREST} targets",
     ):
         assert stated in " ".join(page.split()), stated
