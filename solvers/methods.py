@@ -56,7 +56,7 @@ GREEDY = MethodSpec(
 GREEDY_GUARDED = MethodSpec(
     "greedy-guarded",
     "solvers.planners.greedy:greedy_guarded",
-    quick="solvers.planners.greedy:guarded_routes",
+    quick="solvers.routes.one_chaser:guarded_routes",
     follows=ON_A_TANK | CAMPAIGNS | RELEASES,
     on_demand=True,
 )

@@ -15,7 +15,7 @@ from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.mission import Mission
-from adr_opt.mission.problem import Problem, Routes, problem_of
+from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
 
 from ..beams.greedy_order import GUARDED_BETA, greedy_sequence
@@ -60,12 +60,6 @@ def _order(name: str, mission: Mission, options: GreedyOptions) -> npt.NDArray[n
     return greedy_sequence(
         mission, alpha=options.alpha, beta=beta, guarded=name == "greedy-guarded"
     )
-
-
-def guarded_routes(problem: Problem) -> Routes:
-    """The routes of :func:`greedy_guarded` with its usual options."""
-    options = GuardedOptions()
-    return one_after_another(problem, lambda each: _order("greedy-guarded", each, options))
 
 
 def _plan(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,8 @@ import numpy.typing as npt
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.plan.station_limits import Use
+
+from ..beams.greedy_order import guarded_sequence
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -51,6 +54,16 @@ def one_after_another(problem: Problem, route_of: RouteOf) -> Routes:
         routes.append(route)
         uses.append(use)
     return tuple(routes)
+
+
+def guarded_routes(problem: Problem) -> Routes:
+    """The routes of the planner ``greedy-guarded`` with its usual options, computed once."""
+    if problem not in _guarded:
+        _guarded[problem] = one_after_another(problem, guarded_sequence)
+    return _guarded[problem]
+
+
+_guarded: WeakKeyDictionary[Problem, Routes] = WeakKeyDictionary()
 
 
 def without_empty(problem: Problem, worths: FloatArray, uses: Sequence[Use]) -> FloatArray:

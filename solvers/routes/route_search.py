@@ -10,11 +10,18 @@ from adr_opt.mission.problem import Problem, Routes
 from adr_opt.plan.station_limits import Use
 
 from ..beams.beams import BeamSettings, beam_search, usual_settings, with_time_value
-from ..beams.greedy_order import guarded_sequence
 from ..beams.timely_beams import first_width
 from ..beams.varied_beams import varied
 from ..progress.gap import GapTracker
-from .one_chaser import FloatArray, left, one_after_another, targets_of, trimmed, without_empty
+from .one_chaser import (
+    FloatArray,
+    guarded_routes,
+    left,
+    one_after_another,
+    targets_of,
+    trimmed,
+    without_empty,
+)
 from .route_pool import Column, RoutePool, dealt
 
 FIRST_WIDTH = 200
@@ -73,7 +80,7 @@ class RouteSearch:
 
     def begin(self, start: Routes | None = None) -> None:
         """Make first plans: guarded greedy, by beams chaser by chaser, and the given one."""
-        self._meet(one_after_another(self._problem, guarded_sequence))
+        self._meet(guarded_routes(self._problem))
         self._meet(one_after_another(self._problem, self._usual))
         if start is not None:
             self._meet(start)

@@ -77,8 +77,7 @@ from adr_opt.run.run_options import Start
 from adr_opt.run.start_plan import start_destinations
 
 from ...beams.beams import USUAL, with_time_value
-from ...beams.greedy_order import guarded_sequence
-from ...routes.one_chaser import one_after_another
+from ...routes.one_chaser import guarded_routes
 from .fleet import Fleet
 from .order import Bodies
 from .replan import ReplannedWindows, WindowChoice, filled_up, replan
@@ -255,7 +254,7 @@ def _first_routes(problem: Problem, start: Start | None) -> list[Bodies]:
             for mission, names in zip(problem.missions, wanted, strict=True)
         ]
     else:
-        routes = one_after_another(problem, guarded_sequence)
+        routes = guarded_routes(problem)
     return [np.array(tuple(route), dtype=np.int64) for route in routes]
 
 
