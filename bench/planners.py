@@ -281,10 +281,11 @@ def tenth(
         print(f"\n{len(every)} fields: {mean(every):.1%} of the optimum in the mean")
 
 
-Mechanism = Literal["strings", "moves", "completions", "exchanges"]
+Mechanism = Literal["strings", "recreation", "moves", "completions", "exchanges"]
 
 PLACES: dict[Mechanism, tuple[tuple[Any, str, Any], ...]] = {
     "strings": tuple((each, "strings_of", None) for each in (one_route, local_search)),
+    "recreation": tuple((each, "recreate", ()) for each in (one_route, local_search)),
     "moves": ((RouteSearch, "move", None), (RouteSearch, "complete", None)),
     "completions": ((RouteSearch, "complete", None),),
     "exchanges": ((Exchanges, "anneal", False),),
@@ -327,7 +328,7 @@ def _searched(
 
 def without(
     *families: str,
-    mechanisms: tuple[Mechanism, ...] = ("strings", "moves", "exchanges"),
+    mechanisms: tuple[Mechanism, ...] = ("strings", "recreation", "moves", "exchanges"),
     targets: int | None = None,
     chasers: int | None = None,
     falls: str = "",

@@ -1,4 +1,4 @@
-"""Planning for one chaser: rounds of beams, annealing, and a proof."""
+"""Planning for one chaser: rounds of beams, ruin and recreate, annealing, and a proof."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from adr_opt.mission.result import Result
 from ..beams.beams import usual_settings, with_time_value
 from ..beams.greedy_order import guarded_sequence
 from ..beams.timely_beams import Beams, first_width, pilots
-from ..beams.varied_beams import varied
+from ..beams.varied_beams import recreate, varied
 from ..orders.string_removal import Strings, strings_of
 from ..progress.gap import GapTracker
 from ..progress.incumbent import Incumbent
@@ -68,7 +68,7 @@ FRUITLESS = 6
 
 
 class RouteSearches:
-    """The searching half: beams, and annealing of orders.
+    """The searching half: beams, and ruin and recreate.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class RouteSearches:
         self._fruitless = 0
         self._beside: Strings | None = None
         self._found = Incumbent(mission)
-        self.counters = {"beams": 0}
+        self.counters = {"beams": 0, "recreations": 0}
         if self.drifts:
             self.counters["annealings"] = 0
         targets = max(1, len(mission.instance.targets))
@@ -107,7 +107,7 @@ class RouteSearches:
         self._usual = first_width(mission, USUAL_WIDTH)
         # An annealing of few targets is as good after a few: the proof is not to wait for others.
         share = min(1.0, (targets / USUAL_TARGETS) ** 2)
-        self._width = VARIED_WIDTH
+        self._width, self._recreations = VARIED_WIDTH, 20
         self._annealings = max(2, round(share * ANNEALINGS))
 
     @property
@@ -190,6 +190,7 @@ class RouteSearches:
             self.usual(max(self._usual, self.scaled(self._width)))
         self.varied(self.scaled(self._width))
         self.anneal(self._annealings, restarts=rounds > 1)
+        self.improve(self._recreations, self.scaled(self._width // 20))
 
     def usual(self, width: int) -> None:
         """Search one beam with the usual settings, unless done before at this width."""
@@ -291,7 +292,20 @@ class RouteSearches:
         if self._found.sequence is not None:
             self._certificate.offer(self._found.sequence)
         self._width = min(2 * self._width, WIDEST)
+        self._recreations *= 2
         self._annealings *= 2
+
+    def improve(self, recreations: int, width: int) -> None:
+        """Ruin and recreate the incumbent."""
+        rng = np.random.default_rng(int(self._rng.integers(2**31)))
+        for _ in range(recreations):
+            if self._stop.remaining_s() <= 0.0:
+                break
+            found = recreate(
+                self._mission, self._certificate.sequence or (), width, rng, self._stop
+            )
+            self._certificate.offer(found)
+            self.counters["recreations"] += 1
 
 
 def _prover(mission: Mission, certificate: GapTracker, stop: Stop, options: ProofOptions) -> Prover:
@@ -332,9 +346,9 @@ def plan(
     are given, and the searches of ``beam``. Then rounds: one of proof
     (:class:`solvers.proof.proof.Proof`: it bounds the objective, and its searches for plans
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
-    wider beams and, where planes drift or costs are given, with annealing of orders. Where orders
-    are annealed and a search has proven nothing, a second order is annealed in most rounds in place
-    of the proof.
+    wider beams, with ruin-and-recreate and, where planes drift or costs are given, with annealing
+    of orders. Where orders are annealed and a search has proven nothing, a second order is annealed
+    in most rounds in place of the proof.
 
     Parameters
     ----------
