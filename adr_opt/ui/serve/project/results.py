@@ -198,7 +198,8 @@ class Results:
             record
             for record in self.all()
             if record.has_plan
-            and (record.instance_sha256, record.status == NOT_LEGAL) == (instance_sha256, False)
+            and record.instance_sha256 == instance_sha256
+            and record.status != NOT_LEGAL
         )
         return sorted(found, key=lambda record: -(record.objective or 0.0))
 
